@@ -1,0 +1,64 @@
+#pragma once
+// Everything a user can set, typed. The YAML keys are the member names (docs/configuration.md); the loader checks them.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/pose.hpp"
+#include "drivers/frame/sensor.hpp"
+#include "drivers/source.hpp"
+#include "mapping/mapper.hpp"
+
+namespace scree::config {
+
+enum class PoseSource : std::uint8_t { recording, fixed, udp };  ///< YAML: recording | static | udp
+
+struct PoseSettings {
+  PoseSource source = PoseSource::recording;
+  Pose T_map_body;          ///< for `static`
+  std::string accept_from;  ///< for `udp`: the only address POSE_INPUT is taken from ("127.0.0.1"); empty = loopback
+  int max_age_ms = 200;     ///< for `udp`: an older pose maps nothing
+};
+
+struct PublishSettings {
+  std::string destination = "127.0.0.1:47800";
+  std::string listen = "127.0.0.1:47801";          ///< port 0 = any free one, printed
+  drivers::Origin origin = drivers::Origin::live;  ///< live | sim | hil; replays always say REPLAY
+  int refresh_ms = 1000;
+  int cell_max_age_ms = 0;     ///< 0 = no limit
+  int datagrams_per_s = 3000;  ///< pacing
+  std::uint32_t stream_id = 1;
+  std::string frame_name = "map";
+  std::string node_name = "scree";
+};
+
+struct NodeSettings {
+  int threads = 1;       ///< worker threads of the map stage
+  int queue_frames = 4;  ///< replay: bounded blocking queue between acquire and map
+};
+
+enum class SourceKind : std::uint8_t { none, recording, simulated };
+
+/// What `scree run` acquires from. Devices come with the live drivers.
+struct SourceSettings {
+  SourceKind kind = SourceKind::none;
+  std::string path;  ///< recording: directory, played in real time, newest wins
+  bool loop = false;
+  std::string terrain;  ///< simulated: the grammars of `scree simulate`
+  std::string sensor;
+  std::string trajectory;
+  bool noise = true;
+  std::uint64_t seed = 1;
+};
+
+struct Settings {
+  mapping::MapConfig map;  ///< vehicle.* goes to map.vehicle
+  PoseSettings pose;
+  PublishSettings publish;
+  NodeSettings node;
+  SourceSettings source;
+  std::optional<SensorConfig> sensor;  ///< given: replaces what the recording says
+};
+
+}  // namespace scree::config

@@ -1,0 +1,66 @@
+#pragma once
+// Recordings on disk: the directory format of Scree, KITTI odometry, PCD directories and single range files.
+// recording.yaml itself is read by config/ (YAML is parsed in one place) and arrives here as a RecordingDescription.
+
+#include <filesystem>
+#include <memory>
+
+#include "drivers/frame/pose_track.hpp"
+#include "drivers/frame/sensor.hpp"
+#include "drivers/source.hpp"
+
+namespace scree::drivers {
+
+/// recording.yaml.
+struct RecordingDescription {
+  Origin origin = Origin::live;
+  SensorConfig sensor;
+};
+
+struct ReplayWindow {
+  Duration start{0};                 ///< skip frames before first frame + start
+  std::optional<Duration> duration;  ///< stop after this much data time
+};
+
+/// frames.csv, frames/ and poses.csv beside `description`. Errors: no_input (a missing file), bad_data (a table that
+/// cannot be read, poses that cover no frame). One bad frame is Kind::skipped; no good frame at all is the error
+/// bad_data at the end of the stream.
+Result<std::unique_ptr<Source>> open_recording(const std::filesystem::path& directory, RecordingDescription description,
+                                               ReplayWindow window);
+
+/// KITTI odometry layout: velodyne/*.bin, times.txt, poses.txt with calib.txt (camera poses, Tr).
+Result<std::unique_ptr<Source>> open_kitti(const std::filesystem::path& directory, const SensorConfig& sensor,
+                                           ReplayWindow window);
+
+/// A directory of *.pcd (sorted by name) with poses.csv; frame i is taken at the time of pose i, or at the times of
+/// frames.csv where that exists.
+Result<std::unique_ptr<Source>> open_pcd_directory(const std::filesystem::path& directory, const SensorConfig& sensor,
+                                                   ReplayWindow window);
+
+/// One range file: USF geometry, or CMU by its size; identity body pose; sensor axes turned to REP-103 unless
+/// `sensor` says where the sensor sits.
+Result<std::unique_ptr<Source>> open_range_file(const std::filesystem::path& file, std::optional<SensorConfig> sensor);
+
+/// Writes the directory format, frame by frame; recording.yaml's text is made by config/ and handed in.
+class RecordingWriter {
+ public:
+  static Result<RecordingWriter> create(const std::filesystem::path& directory, const std::string& recording_yaml);
+  RecordingWriter(RecordingWriter&&) noexcept;
+  RecordingWriter& operator=(RecordingWriter&&) noexcept;
+  ~RecordingWriter();
+
+  /// Raw counts of one frame, rows × columns: `.perc` for Perceptron kinds, 16-bit `.pgm` for pinhole.
+  Status add_raw_frame(ProjectionKind kind, const Grid<std::uint16_t>& raw, Time time, std::uint64_t sequence);
+  /// float32 x y z intensity in sensor axes.
+  Status add_cloud_frame(const std::vector<Eigen::Vector4f>& points_sensor, Time time, std::uint64_t sequence);
+  Status add_pose(const StampedPose& pose);
+  /// Flushes and closes; errors that buffered writes hid come out here.
+  Status finish();
+
+ private:
+  struct State;
+  explicit RecordingWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace scree::drivers
