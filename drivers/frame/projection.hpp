@@ -36,7 +36,8 @@ struct ProjectionConfig {
   double unit_m = 0.01;           ///< perceptron_usf: metres per length unit of the published constants
   std::array<double, 2> field_of_view_rad{0.0, 0.0};  ///< {H, V}, Perceptron kinds; 0 = the published value
   double range_per_count_m = 0.0;  ///< delta; 0 = the published value (perceptron_*), required for spherical
-  double range_offset_m = 0.0;     ///< perceptron_cmu, spherical: r0 in metres
+  double range_offset_m = 0.0;  ///< range at raw 0 (perceptron_cmu, spherical); perceptron_usf: added to the published
+                                ///< standoff (drift, calibration); unused by pinhole
   double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;  ///< pinhole
   double depth_unit_m = 0.001;                                ///< pinhole: metres of depth (z) per count
   double ambiguity_m = -1.0;                ///< phase interval; 0 = unambiguous; -1 = the projection's own
@@ -44,12 +45,26 @@ struct ProjectionConfig {
   std::vector<double> column_azimuths_rad;  ///< spherical: one per column, left positive
 };
 
-/// The ray of one pixel, in double. For perceptron_usf: specs of the USF geometry, [HJ96]; see docs/perceptron.md.
-/// `config` must be complete (see complete_projection); row 0 is the top, column 0 the left.
+inline constexpr int kPerceptronCounts = 4096;  ///< raw numbers of a Perceptron ambiguity interval (12 bits)
+
+/// The ray of one pixel, in double. For perceptron_usf: the published USF geometry, [HJ96]; see docs/perceptron.md.
+/// `config` must be complete (see complete_projection); row 0 is the top, column 0 the left. A `cloud` has no rays of
+/// its own: the sensor's z axis from its origin.
 PixelRay pixel_ray(const ProjectionConfig& config, int row, int column);
 
+/// The inverse of the range law, for simulators: the (fractional, unwrapped) count at `range_m` along the ray.
+inline double count_at_range(const PixelRay& ray, double range_m) {
+  return (range_m - ray.range_offset_m) / ray.range_per_count_m;
+}
+
+/// What a 12-bit phase sensor reports for an unwrapped count: nearest integer modulo `interval_counts`.
+/// `count` must be finite and |count| < 2^62.
+std::uint16_t wrapped_count(double count, int interval_counts = kPerceptronCounts);
+
 /// Fills rows, columns, ambiguity_m, trusted_rows and the other "take the default" values for an image of
-/// rows × columns, and checks that everything is finite, positive and consistent. Errors are bad_data.
+/// rows × columns, and checks that everything is finite, positive and consistent. Completing twice changes nothing.
+/// Defaults: trusted_rows 508 for a 512 × 512 USF image, else all; ambiguity 4096 · range_per_count_m for Perceptron
+/// kinds, else none; invalid_raw 0 for depth images. Errors are bad_data and name key, expected and found.
 Result<ProjectionConfig> complete_projection(ProjectionConfig config, int rows, int columns);
 
 /// The tables. Immutable, shared by all frames of a source.
@@ -72,7 +87,8 @@ struct Projection {
 Result<std::shared_ptr<const Projection>> make_projection(const ProjectionConfig& config, int rows, int columns);
 
 /// A cloud as a 1 × N projection: each point becomes a ray from the sensor's origin. Points are float32 x y z in
-/// sensor axes, non-finite ones are dropped by the caller. Ranges are |p|.
+/// sensor axes, non-finite ones are dropped by the caller. Ranges are |p| (also in range_offset_m, with
+/// range_per_count_m = 0), so a frame of this projection has range_m = range_offset_m.
 std::shared_ptr<const Projection> make_cloud_projection(const std::vector<Eigen::Vector3f>& points_sensor);
 
 const char* to_string(ProjectionKind kind);

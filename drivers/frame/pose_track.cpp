@@ -1,0 +1,58 @@
+#include "drivers/frame/pose_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace scree {
+namespace {
+
+constexpr double kNormTolerance = 1e-3;
+
+Error wrong_pose(std::size_t index, std::string_view expected, const std::string& found) {
+  return {ErrorKind::bad_data, fmt::format("pose {}: expected {}, found {}", index, expected, found)};
+}
+
+Status check_pose(std::size_t index, const Pose& pose) {
+  const auto& t = pose.translation_m;
+  const auto& q = pose.rotation.coeffs();
+  if (!t.allFinite() || !q.allFinite())
+    return wrong_pose(index, "finite numbers",
+                      fmt::format("({}, {}, {}; {}, {}, {}, {})", t.x(), t.y(), t.z(), q[0], q[1], q[2], q[3]));
+  const double norm = q.norm();
+  if (std::abs(norm - 1.0) > kNormTolerance)
+    return wrong_pose(index, "a quaternion of norm 1", fmt::format("norm {}", norm));
+  return {};
+}
+
+}  // namespace
+
+Result<PoseTrack> PoseTrack::make(std::vector<StampedPose> poses) {
+  if (poses.empty()) return Error{ErrorKind::bad_data, "poses: expected at least one, found none"};
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (auto status = check_pose(i, poses[i].T_map_body); !status) return status.error();
+    if (i > 0 && poses[i].time <= poses[i - 1].time)
+      return wrong_pose(i, "a time after " + format_seconds(poses[i - 1].time.time_since_epoch()) + " s",
+                        format_seconds(poses[i].time.time_since_epoch()) + " s");
+    poses[i].T_map_body.rotation.normalize();
+  }
+  PoseTrack track;
+  track.poses_ = std::move(poses);
+  return track;
+}
+
+std::optional<Pose> PoseTrack::at(Time time) const {
+  if (poses_.size() == 1) return poses_.front().T_map_body;
+  if (poses_.empty() || time < begin() || time > end()) return std::nullopt;
+  const auto after = std::upper_bound(poses_.begin(), poses_.end(), time,
+                                      [](Time t, const StampedPose& pose) { return t < pose.time; });
+  if (after == poses_.end()) return poses_.back().T_map_body;
+  const auto before = after - 1;
+  const double weight = to_seconds(time - before->time) / to_seconds(after->time - before->time);
+  const Pose& a = before->T_map_body;
+  const Pose& b = after->T_map_body;
+  return Pose{a.translation_m + weight * (b.translation_m - a.translation_m),
+              a.rotation.slerp(weight, b.rotation).normalized()};
+}
+
+}  // namespace scree
