@@ -2,6 +2,7 @@
 // Georeferenced rasters through GDAL.
 
 #include <filesystem>
+#include <string>
 
 #include "core/grid.hpp"
 #include "core/result.hpp"
@@ -19,10 +20,16 @@ struct Raster {
   bool geographic = false;  ///< cells are degrees, by the CRS or by plausibility (see message of the caller)
 };
 
-/// Any format GDAL reads. Errors: no_input, bad_data (rotated rasters, no band, not a number).
+/// Any format GDAL reads. A raster without a CRS counts as geographic when it lies within ±360 × ±90 and its heights,
+/// taken as metres over its cells, would be a wall (median slope above 30). Errors: no_input, bad_data (rotated or
+/// mirrored rasters, no band, complex numbers, a CRS in feet or a height unit other than metres, a band without one
+/// finite value); `unavailable` in a build without GDAL.
 Result<Raster> read_raster(const std::filesystem::path& file);
 
-/// Float32 GeoTIFF, deflate. Errors: cannot_create, io.
+/// The message for whoever needs metres and got a geographic raster: what was found and how to reproject it.
+Error geographic_error(const Raster& raster, const std::string& name);
+
+/// Float32 GeoTIFF, deflate, north up, nodata NaN, no CRS (map frame). Errors: cannot_create, io.
 Status write_geotiff(const std::filesystem::path& file, const Raster& raster);
 
 }  // namespace scree::io
