@@ -1,0 +1,52 @@
+#pragma once
+// The tables of a recording: frames.csv and poses.csv. Strict: a table that is not what it should be is refused whole,
+// with file and line, before any frame is mapped with it.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.hpp"
+#include "core/time.hpp"
+#include "drivers/frame/pose_track.hpp"
+
+namespace scree::drivers {
+
+inline constexpr std::size_t kTableMaxBytes = std::size_t{1} << 30;
+inline constexpr double kTableMaxSeconds = 8e9;       ///< |t_s|: leaves room in 64-bit nanoseconds for a frame's rows
+inline constexpr double kTableMaxCoordinate_m = 1e8;  ///< |x_m|, |y_m|, |z_m| of a pose
+
+inline constexpr std::string_view kFramesHeader = "file,t_s,sequence";
+inline constexpr std::string_view kPosesHeader = "t_s,x_m,y_m,z_m,qx,qy,qz,qw";
+
+/// Calls `row(line_number, fields)` for each line of comma-separated `text` behind the header, which must equal
+/// `header`; blanks around fields are removed, CR LF and empty lines at the end are accepted. Stops at the first error.
+/// Errors: bad_data "name:line: expected …, found …".
+using TableRow = std::function<Status(std::size_t line, std::span<const std::string_view> fields)>;
+Status parse_table(std::string_view text, const std::string& name, std::string_view header, const TableRow& row);
+
+/// A finite decimal; nothing else in the field. The error carries no place: callers prepend it.
+Result<double> parse_number(std::string_view field);
+
+/// One line of frames.csv. `file` is relative to the recording and lies inside frames/ (a bare name is taken to).
+struct FrameRow {
+  std::string file;
+  Time time;  ///< of row 0
+  std::uint64_t sequence = 0;
+};
+
+/// Times increase strictly, paths do not leave `folder`; an empty `folder` means the recording itself.
+Result<std::vector<FrameRow>> parse_frames_table(std::string_view text, const std::string& name,
+                                                 std::string_view folder = "frames");
+
+/// T_map_body per line: times increase strictly, numbers are finite, quaternions of norm 1 ± 1e-3; at least one pose.
+Result<std::vector<StampedPose>> parse_poses_table(std::string_view text, const std::string& name);
+
+/// One line each, with line end, in digits that read back to the same values.
+std::string format_frame_row(const FrameRow& row);
+std::string format_pose_row(const StampedPose& pose);
+
+}  // namespace scree::drivers

@@ -1,0 +1,102 @@
+#include "drivers/table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace scree::drivers {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+using namespace std::chrono_literals;
+
+std::string frames(const std::string& rows) {
+  return "file,t_s,sequence\n" + rows;
+}
+std::string poses(const std::string& rows) {
+  return "t_s,x_m,y_m,z_m,qx,qy,qz,qw\n" + rows;
+}
+
+template <class T>
+std::string message(const Result<T>& result) {
+  if (result) return "accepted";
+  EXPECT_EQ(result.error().kind, ErrorKind::bad_data);
+  return result.error().message;
+}
+std::string frames_message(const std::string& text) {
+  return message(parse_frames_table(text, "frames.csv"));
+}
+std::string poses_message(const std::string& text) {
+  return message(parse_poses_table(text, "poses.csv"));
+}
+
+TEST(FramesTable, TimesAreExactNanoseconds) {
+  const auto rows = parse_frames_table(frames("frames/000000.perc,1699999999.123456789,7\n000001.perc, 1.7e9 ,8\r\n\n"),
+                                       "frames.csv");
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 2u);
+  EXPECT_EQ((*rows)[0].file, "frames/000000.perc");
+  EXPECT_EQ((*rows)[0].time.time_since_epoch(), 1699999999123456789ns);
+  EXPECT_EQ((*rows)[0].sequence, 7u);
+  EXPECT_EQ((*rows)[1].file, "frames/000001.perc");
+  EXPECT_EQ((*rows)[1].time.time_since_epoch(), 1700000000s);
+}
+
+TEST(FramesTable, PathsStayInsideTheRecording) {
+  for (const char* path : {"../x.perc", "frames/../../x.perc", "/etc/passwd", "other/x.perc", "frames//x", "frames/",
+                           "frames/./x", "", "..", "frames\\x", "truth/000000.range.npy"})
+    EXPECT_THAT(frames_message(frames(std::string(path) + ",0,0\n")),
+                StartsWith("frames.csv:2: expected a path inside frames/"))
+        << path;
+}
+
+TEST(FramesTable, FaultsNameFileAndLine) {
+  EXPECT_THAT(frames_message(""), StartsWith("frames.csv:1: expected the header 'file,t_s,sequence', found ''"));
+  EXPECT_THAT(frames_message("000000.perc,0,0\n"), HasSubstr("frames.csv:1: expected the header"));
+  EXPECT_THAT(frames_message(frames("")), HasSubstr("frames.csv:2: expected at least one frame"));
+  EXPECT_THAT(frames_message(frames("a,0,0\nb,0,1\n")), HasSubstr("frames.csv:3: expected t_s above 0, found 0"));
+  EXPECT_THAT(frames_message(frames("a,0\n")), HasSubstr("frames.csv:2: expected 3 columns"));
+  EXPECT_THAT(frames_message(frames("a,0,1,2\n")), HasSubstr("found 4"));
+  EXPECT_THAT(frames_message(frames("a,nan,1\n")), HasSubstr("expected t_s in decimal seconds"));
+  EXPECT_THAT(frames_message(frames("a,9e9,1\n")), HasSubstr("within ±8e9"));
+  EXPECT_THAT(frames_message(frames("a,0,-1\n")), HasSubstr("expected an unsigned sequence, found '-1'"));
+  EXPECT_THAT(frames_message(frames("a,0,0\n\nb,1,1\n")), HasSubstr("frames.csv:3: expected a row"));
+}
+
+TEST(PosesTable, ReadsPoses) {
+  const auto rows =
+      parse_poses_table(poses("0,1,-2e-3,+3,0,0,0,1\n0.5,1e8,2,3,0,0,0.70710678,0.70710678"), "poses.csv");
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 2u);
+  EXPECT_EQ((*rows)[0].T_map_body.translation_m, Eigen::Vector3d(1.0, -2e-3, 3.0));
+  EXPECT_EQ((*rows)[1].T_map_body.rotation.z(), 0.70710678);
+  EXPECT_EQ((*rows)[1].time.time_since_epoch(), 500ms);
+}
+
+TEST(PosesTable, FaultsNameFileAndLine) {
+  EXPECT_THAT(poses_message("t_s,x_m\n"), HasSubstr("poses.csv:1: expected the header 't_s,x_m,y_m,z_m"));
+  EXPECT_THAT(poses_message(poses("")), HasSubstr("expected at least one pose"));
+  EXPECT_THAT(poses_message(poses("0,nan,0,0,0,0,0,1\n")),
+              HasSubstr("poses.csv:2: x_m: expected a finite number, found 'nan'"));
+  EXPECT_THAT(poses_message(poses("0,0,inf,0,0,0,0,1\n")), HasSubstr("y_m"));
+  EXPECT_THAT(poses_message(poses("0,0,0,1e9,0,0,0,1\n")), HasSubstr("z_m: expected at most 1e+08 m"));
+  EXPECT_THAT(poses_message(poses("0,0,0,0,0,0,0,0\n")), HasSubstr("quaternion of norm 1 ± 0.001, found 0"));
+  EXPECT_THAT(poses_message(poses("0,0,0,0,0,0,0,1e300\n")), HasSubstr("quaternion of norm 1"));
+  EXPECT_THAT(poses_message(poses("0,0,0,0,0,0,1\n")), HasSubstr("expected 8 columns"));
+  EXPECT_THAT(poses_message(poses("1,0,0,0,0,0,0,1\n0.5,0,0,0,0,0,0,1\n")),
+              HasSubstr("poses.csv:3: expected t_s above 1"));
+  EXPECT_THAT(poses_message(poses("0,0x1,0,0,0,0,0,1\n")), HasSubstr("found '0x1'"));
+}
+
+TEST(PosesTable, RowsReadBackToTheSameBits) {
+  const StampedPose pose{Time(1699999999123456789ns),
+                         {{0.1 + 0.2, -1.0 / 3.0, 1e-17}, Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5)}};
+  const auto back = parse_poses_table(poses(format_pose_row(pose)), "poses.csv");
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ((*back)[0].time, pose.time);
+  EXPECT_EQ((*back)[0].T_map_body.translation_m, pose.T_map_body.translation_m);
+  EXPECT_EQ((*back)[0].T_map_body.rotation.coeffs(), pose.T_map_body.rotation.coeffs());
+}
+
+}  // namespace
+}  // namespace scree::drivers
