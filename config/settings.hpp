@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/pose.hpp"
 #include "drivers/frame/sensor.hpp"
@@ -34,8 +35,10 @@ struct PublishSettings {
 };
 
 struct NodeSettings {
-  int threads = 1;       ///< worker threads of the map stage
-  int queue_frames = 4;  ///< replay: bounded blocking queue between acquire and map
+  int threads = 1;            ///< threads of the map stage
+  int queue_frames = 4;       ///< replay: bounded blocking queue between acquire and map
+  int sensor_stale_ms = 500;  ///< live: no frame for this long sets the health bit "sensor stale"
+  int sensor_lost_ms = 2000;  ///< live: the same for "sensor lost"
 };
 
 enum class SourceKind : std::uint8_t { none, recording, simulated };
@@ -58,7 +61,13 @@ struct Settings {
   PublishSettings publish;
   NodeSettings node;
   SourceSettings source;
-  std::optional<SensorConfig> sensor;  ///< given: replaces what the recording says
+  /// Values of the `sensor.*` keys that were given, which `sensor_given` names ("range_max_m"). With the key
+  /// "projection" among them this is a whole sensor and replaces what a recording says; without, each given key
+  /// overrides the recording's. See effective_sensor.
+  std::optional<SensorConfig> sensor;
+  std::vector<std::string> sensor_given;
+
+  bool has_whole_sensor() const;
 };
 
 }  // namespace scree::config
