@@ -6,10 +6,11 @@
 #include <cstdint>
 #include <cstring>
 #include <fmt/format.h>
-#include <fstream>
 #include <limits>
 #include <string_view>
 #include <vector>
+
+#include "io/file_bytes.hpp"
 
 namespace scree::io {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the data part is copied as it lies in memory");
 
 constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr std::size_t kMaxBytes = std::size_t{1} << 32;
 constexpr std::size_t kAlignment = 64;  // of the data part, as NumPy writes it
 
 Error bad(const std::string& name, std::size_t offset, std::string_view expected, std::string_view found) {
@@ -116,15 +118,9 @@ Result<Grid<float>> parse_npy(std::span<const std::byte> bytes, const std::strin
 }
 
 Result<Grid<float>> read_npy(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  if (!stream) return Error{ErrorKind::no_input, fmt::format("{}: expected a readable file", file.string())};
-  const auto size = stream.tellg();
-  if (size < 0) return Error{ErrorKind::no_input, fmt::format("{}: expected a regular file", file.string())};
-  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
-  stream.seekg(0);
-  if (!stream.read(reinterpret_cast<char*>(bytes.data()), size))
-    return Error{ErrorKind::io, fmt::format("{}: reading {} bytes failed", file.string(), bytes.size())};
-  return parse_npy(bytes, file.string());
+  std::vector<std::uint8_t> bytes;
+  if (auto status = read_bytes(file, kMaxBytes, bytes); !status) return status.error();
+  return parse_npy(std::as_bytes(std::span(bytes)), file.string());
 }
 
 Status write_npy(const std::filesystem::path& file, const Grid<float>& grid) {
@@ -133,17 +129,15 @@ Status write_npy(const std::filesystem::path& file, const Grid<float>& grid) {
   const std::size_t before_data = kMagic.size() + 4 + header.size() + 1;
   header.append((kAlignment - before_data % kAlignment) % kAlignment, ' ');
   header += '\n';
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  if (!stream) return Error{ErrorKind::cannot_create, fmt::format("{}: cannot be created", file.string())};
-  const std::array<char, 4> version_and_length{1, 0, static_cast<char>(header.size() & 0xff),
-                                               static_cast<char>(header.size() >> 8)};
-  stream << kMagic;
-  stream.write(version_and_length.data(), version_and_length.size());
-  stream << header;
-  stream.write(reinterpret_cast<const char*>(grid.data()), static_cast<std::streamsize>(grid.size() * sizeof(float)));
-  stream.close();
-  if (!stream) return Error{ErrorKind::io, fmt::format("{}: writing failed", file.string())};
-  return {};
+  std::vector<std::uint8_t> bytes(kMagic.begin(), kMagic.end());
+  const std::array<std::uint8_t, 4> version_and_length{1, 0, static_cast<std::uint8_t>(header.size() & 0xff),
+                                                       static_cast<std::uint8_t>(header.size() >> 8)};
+  bytes.insert(bytes.end(), version_and_length.begin(), version_and_length.end());
+  bytes.insert(bytes.end(), header.begin(), header.end());
+  const std::size_t data_offset = bytes.size();
+  bytes.resize(data_offset + grid.size() * sizeof(float));
+  if (!grid.empty()) std::memcpy(bytes.data() + data_offset, grid.data(), grid.size() * sizeof(float));
+  return write_bytes(file, bytes);
 }
 
 }  // namespace scree::io
