@@ -13,7 +13,7 @@
 #include "drivers/recording.hpp"
 #include "drivers/simulator_physics.hpp"
 #include "drivers/source.hpp"
-#include "drivers/terrain.hpp"
+#include "drivers/terrain_load.hpp"
 #include "drivers/trajectory.hpp"
 
 namespace scree::drivers {
