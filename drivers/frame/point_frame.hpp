@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -36,8 +37,8 @@ struct PointFrame {
   std::uint64_t sequence = 0;
   Time time;  ///< of the last row: the newest sample contained
   MonotonicTime received;
-  Eigen::Vector3d anchor_map_m = Eigen::Vector3d::Zero();
-  Pose T_map_body;  ///< of the last row
+  Eigen::Vector3d anchor_map_m = Eigen::Vector3d::Zero();  ///< body position of the last row, in whole metres
+  Pose T_map_body;                                         ///< of the last row
   std::vector<float> x_m, y_m, z_m;
   std::vector<float> range_m;
   std::vector<float> range_variance_m2;  ///< along the ray
@@ -58,17 +59,22 @@ using GroundLookup = std::function<std::optional<GroundHeight>(double x_map_m, d
 
 /// Range frame → points: phase resolution, range limits, self mask, speckle and mixed-pixel filter, then Cartesian
 /// with each row's own pose. Deterministic for any executor. Keeps its buffers between frames (no allocation after
-/// warm-up). Cost: a few nanoseconds per pixel.
+/// warm-up), and tables per sensor, which are rebuilt when the frame's projection or sensor object changes.
+/// Cost: tests/bench/frame_bench.cpp. Rules and failure modes: docs/perceptron.md.
 class PointConverter {
  public:
-  /// `ground` may be empty. Fails (bad_data) when the frame contradicts its projection (sizes, row counts).
+  PointConverter();
+  PointConverter(PointConverter&&) noexcept;
+  PointConverter& operator=(PointConverter&&) noexcept;
+  ~PointConverter();
+
+  /// `ground` may be empty. Fails (bad_data) when the frame contradicts its projection (sizes, row counts, missing
+  /// sensor) or a pose is not finite; `out` is then unchanged.
   Status convert(const RangeFrame& frame, const GroundLookup& ground, Executor& executor, PointFrame& out);
 
  private:
-  Grid<float> range_m_;         ///< resolved range, NaN where the pixel was rejected
-  Grid<std::int32_t> surface_;  ///< label of the connected surface of a pixel
-  std::vector<std::int32_t> parent_;
-  std::vector<std::int16_t> wraps_;
+  struct Workspace;
+  std::unique_ptr<Workspace> workspace_;
 };
 
 }  // namespace scree

@@ -1,0 +1,58 @@
+#pragma once
+// What the pixels of a surface say about its ambiguity interval. docs/perceptron.md explains the votes.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "drivers/frame/pixel_state.hpp"
+#include "drivers/frame/point_frame.hpp"
+#include "drivers/frame/ray_tables.hpp"
+#include "drivers/frame/row_poses.hpp"
+#include "drivers/frame/surfaces.hpp"
+
+namespace scree {
+
+/// Votes of one surface for the interval of its root pixel, −kBins/2 … kBins/2 − 1.
+struct SurfaceEvidence {
+  static constexpr int kBins = 16;
+  using Bins = std::array<std::int32_t, kBins>;
+
+  std::int32_t root = 0;
+  std::int32_t size = 0;
+  std::int32_t visited = 0;
+  Bins ground{};   ///< pixels that must be ground near the robot
+  Bins mapped{};   ///< asked pixels that lie on mapped ground in this interval and in no other
+  Bins covered{};  ///< asked pixels whose candidate in this interval lies over or under mapped ground
+
+  static bool representable(int root_interval) { return root_interval >= -kBins / 2 && root_interval < kBins / 2; }
+  static std::size_t bin(int root_interval) { return static_cast<std::size_t>(root_interval + kBins / 2); }
+};
+
+class PhaseEvidence {
+ public:
+  static constexpr int kNoVote = 127;
+  static constexpr int kFirstCandidate = -1;  ///< a standoff lets the count wrap below the first interval
+
+  /// `ground` may be empty. `range_m` is modulo the ambiguity.
+  void collect(const RayTables& tables, const RowPoses& poses, const GroundLookup& ground, const Surfaces& surfaces,
+               const Grid<PixelState>& state, const Grid<float>& range_m);
+
+  const std::vector<SurfaceEvidence>& surfaces() const { return surfaces_; }
+  /// Index into surfaces() of a kept pixel's surface.
+  std::size_t surface_of(std::int32_t root) const { return static_cast<std::size_t>(index_of_root_[root]); }
+  /// The interval that pixel i's own evidence speaks for, or kNoVote.
+  int vote(std::size_t i) const { return vote_[i]; }
+
+ private:
+  SurfaceEvidence& evidence_of(const Surfaces& surfaces, std::int32_t root);
+  void vote_by_ground(const RayTables& tables, std::size_t i, float range_m, int relative, SurfaceEvidence& evidence);
+  void vote_by_map(const RayTables& tables, const RowPoses& poses, const GroundLookup& ground, int row, std::size_t i,
+                   float range_m, int relative, SurfaceEvidence& evidence);
+
+  std::vector<SurfaceEvidence> surfaces_;
+  std::vector<std::int32_t> index_of_root_;
+  std::vector<std::int8_t> vote_;
+};
+
+}  // namespace scree
