@@ -11,6 +11,7 @@ struct VehicleConfig {
   double max_pitch_rad = 0.45;
   double max_roll_rad = 0.35;
   double max_step_m = 0.12;
+  double height_m = 1.0;  ///< what hangs at least this much above the ground does not touch the vehicle
 };
 
 }  // namespace scree::mapping

@@ -1,0 +1,42 @@
+#pragma once
+// A frame's returns into the rolling map.
+
+#include <cstdint>
+#include <vector>
+
+#include "core/executor.hpp"
+#include "core/rolling_grid.hpp"
+#include "mapping/cell_points.hpp"
+#include "mapping/ground_return.hpp"
+#include "mapping/map_cell.hpp"
+
+namespace scree::mapping {
+
+/// What became of the points inside the window: their number is fused + outlier + other_surface.
+struct FusionCounts {
+  std::uint64_t fused = 0;
+  std::uint64_t outlier = 0;        ///< contradicted the stored height
+  std::uint64_t other_surface = 0;  ///< canopy, overhang, or the other side of an edge inside the cell
+};
+
+/// A stored height that frames contradict this many times in a row is replaced by what they say.
+inline constexpr int kFramesToReplace = 3;
+
+/// Folds one cell's returns of one frame (heights in the map frame) into the stored cell. Heights that agree within
+/// `outlier_sigmas` are averaged with weights 1/variance; the noise of the result is propagated, `hits` adds up and the
+/// relief is pooled. What lies `overhang_m` or more above the stored height is another surface and no contradiction.
+FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, MapCell& cell);
+
+/// Every cell of the window, row-parallel.
+class Fusion {
+ public:
+  explicit Fusion(const GroundConfig& config) : config_(config) {}
+  /// `anchor_z_m` is what the heights of `points` are relative to. Cost: O(cells + points).
+  FusionCounts fuse(CellPoints& points, double anchor_z_m, Executor& executor, RollingGrid<MapCell>& map);
+
+ private:
+  GroundConfig config_;
+  std::vector<FusionCounts> row_counts_;
+};
+
+}  // namespace scree::mapping

@@ -1,0 +1,39 @@
+#pragma once
+// One cell, one frame: which of its returns are the ground, and what height they say.
+
+#include <span>
+
+namespace scree::mapping {
+
+struct GroundConfig {
+  float cell_m = 0.1F;
+  float overhang_m = 1.0F;      ///< what hangs this much above the ground is no obstacle
+  float outlier_sigmas = 5.0F;  ///< agreement with the stored height
+};
+
+/// What the map already holds for the cell; variance < 0 = nothing.
+struct StoredHeight {
+  float height_m = 0.0F;
+  float variance_m2 = -1.0F;
+};
+
+struct GroundReturn {
+  float height_m = 0.0F;           ///< mean of the chosen surface
+  float bottom_m = 0.0F;           ///< its lowest return
+  float noise_variance_m2 = 0.0F;  ///< of the mean, from range noise
+  float relief_m2 = 0.0F;          ///< variance of the returns below the overhang about height_m, less their noise
+  int hits = 0;                    ///< returns averaged
+  int others = 0;                  ///< returns of other surfaces in the cell
+};
+
+/// Splits the heights of one cell at vertical gaps wider than max(2 cells, 6 sigma) and never averages across one. Of
+/// the surfaces found, those that hang `overhang_m` or more above the lowest (that has a tenth of the returns) are
+/// ignored; of the rest, the one that agrees with the stored height and has a quarter of the returns is taken, else the
+/// one with the most returns (the higher of two equals). The relief covers all that is below the overhang, so it
+/// keeps what its height leaves out.
+/// Noise of the mean of k returns with variance v: v (r + (1 − r)/k), r = 0.25: returns of one frame share their pose
+/// and their phase error. `heights_m` (not empty) is sorted when there is more than one surface. O(n log n) then.
+GroundReturn ground_return(std::span<float> heights_m, std::span<const float> variances_m2, const StoredHeight& stored,
+                           const GroundConfig& config);
+
+}  // namespace scree::mapping
