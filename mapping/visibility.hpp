@@ -1,0 +1,46 @@
+#pragma once
+// Which cells a frame's rays crossed, how low, and which lie in a shadow.
+
+#include <vector>
+
+#include "core/executor.hpp"
+#include "core/rolling_grid.hpp"
+#include "drivers/frame/point_frame.hpp"
+#include "mapping/cell_points.hpp"
+#include "mapping/map_cell.hpp"
+#include "mapping/polar_rays.hpp"
+
+namespace scree::mapping {
+
+struct VisibilityConfig {
+  double cell_m = 0.1;
+  int size_cells = 200;
+  float max_descent = 0.5F;  ///< rise over run, see PolarConfig
+  /// A stored height is seen through by rays that pass this much (and 5 sigma and 2 reliefs) below it.
+  float margin_m = 0.2F;
+};
+
+/// A height through which the rays of this many frames in a row have passed is forgotten: what stood there has moved.
+inline constexpr int kFramesToForget = 5;
+
+/// Keeps, per cell of the map, the lowest ceiling that rays have set, the ground expected there, and shadows; forgets
+/// heights that rays see through. A frame whose sensor moves by more than a cell is taken in pieces of rows, each with
+/// its own origin. Cost: O(points + pieces · cells).
+class Visibility {
+ public:
+  explicit Visibility(const VisibilityConfig& config);
+  /// After the fusion of the same frame: `points` tells which cells it hit.
+  void update(const PointFrame& frame, const CellPoints& points, Executor& executor, RollingGrid<MapCell>& map);
+
+ private:
+  void look_from(const PointFrame& frame, std::size_t row_begin, std::size_t row_end, Executor& executor);
+  void mark(const Eigen::Vector3d& origin_map_m, const CellPoints& points, Executor& executor,
+            RollingGrid<MapCell>& map);
+
+  VisibilityConfig config_;
+  PolarRays rays_;
+  std::vector<float> x_m_, y_m_, z_m_;
+  std::vector<std::uint8_t> passed_;  ///< per cell of the window: seen through in this frame
+};
+
+}  // namespace scree::mapping
