@@ -1,0 +1,49 @@
+#include "mapping/cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/snapshot.hpp"
+
+namespace scree::mapping {
+
+namespace {
+
+// Height changes of rough ground are judged at two standard deviations.
+constexpr double kDeviations = 2.0;
+
+double combined(const Hazards& h) {
+  double ease = 1.0;
+  for (const double hazard : {h.slope, h.step, h.roughness, h.roll, h.clearance}) ease *= 1.0 - hazard * hazard;
+  return 1.0 - ease;
+}
+
+}  // namespace
+
+Hazards hazards(const GroundShape& ground, const VehicleConfig& vehicle) {
+  Hazards h;
+  h.slope = static_cast<double>(ground.slope_rad) / std::min(vehicle.max_pitch_rad, vehicle.max_roll_rad);
+  h.step = static_cast<double>(ground.step_m) / vehicle.max_step_m;
+  if (!ground.roughness) return h;
+  const auto change_m = [&](double lag_m) {
+    return kDeviations * ground.roughness->amplitude_m * std::pow(lag_m, ground.roughness->hurst());
+  };
+  h.roughness = change_m(vehicle.wheel_radius_m) / vehicle.max_step_m;
+  h.roll = std::atan(change_m(vehicle.track_m) / vehicle.track_m) / vehicle.max_roll_rad;
+  h.clearance = change_m(0.5 * vehicle.wheelbase_m) / vehicle.clearance_m;
+  return h;
+}
+
+std::uint8_t cell_cost(const GroundShape& ground, const VehicleConfig& vehicle) {
+  if (ground.state == CellState::possible_drop) return kCostLethal;
+  if (ground.state != CellState::measured && ground.state != CellState::reconstructed) return kCostUnknown;
+  if (!std::isfinite(ground.slope_rad) || !std::isfinite(ground.step_m)) return kCostUnknown;
+  const Hazards h = hazards(ground, vehicle);
+  if (std::max({h.slope, h.step, h.roughness, h.roll, h.clearance}) >= 1.0) return kCostLethal;
+  const auto scaled = static_cast<std::uint8_t>(std::lround(kCostMax * combined(h)));
+  const std::uint8_t floor_cost = std::max(ground.state == CellState::reconstructed ? kReconstructedFloor : kCostFree,
+                                           ground.roughness ? kCostFree : kUnknownRoughnessFloor);
+  return std::max(scaled, floor_cost);
+}
+
+}  // namespace scree::mapping
