@@ -11,6 +11,8 @@ namespace {
 // The ground's own descent is measured between returns this far apart.
 constexpr float kBaselineMin_m = 0.5F;
 constexpr float kBaselineMax_m = 2.0F;
+// Its level is the lowest return this far back: the foot of a wall, not its top; the rim of a plateau.
+constexpr float kLevel_m = 1.0F;
 
 }  // namespace
 
@@ -72,6 +74,7 @@ void PolarRays::look_along(int bin) {
 
   float highest = -std::numeric_limits<float>::infinity();
   float descent = 0.0F;
+  float level_m = 0.0F;
   int ground = -1;  // the last ring with a return
   int before = -1;  // a ring with a return, a baseline nearer
   for (int ring = 0; ring < config_.rings; ++ring) {
@@ -81,6 +84,9 @@ void PolarRays::look_along(int bin) {
     if (ring < config_.rings - 1 && hits[ring].low_m < std::numeric_limits<float>::infinity()) {
       highest = std::max(highest, hits[ring].max_slope);
       ground = ring;
+      level_m = hits[ring].low_m;
+      const int level_rings = std::min(ring, static_cast<int>(kLevel_m / config_.cell_m));
+      for (int back = 1; back <= level_rings; ++back) level_m = std::min(level_m, hits[ring - back].low_m);
       if (before < 0) before = ring;
       for (int next = before + 1; static_cast<float>(ring - next) * config_.cell_m >= kBaselineMin_m; ++next)
         if (hits[next].low_m < std::numeric_limits<float>::infinity()) before = next;
@@ -93,8 +99,8 @@ void PolarRays::look_along(int bin) {
     if (ground < 0) continue;
     const float beyond_m = static_cast<float>(ring - ground) * config_.cell_m;
     const float distance_m = (static_cast<float>(ring) + 0.5F) * config_.cell_m;
-    if (beyond_m <= config_.lip_reach_m) sight.lip_m = hits[ground].low_m + descent * beyond_m;
-    sight.shadowed = highest * distance_m > hits[ground].low_m;
+    if (beyond_m <= config_.lip_reach_m) sight.lip_m = level_m + descent * beyond_m;
+    sight.shadowed = highest * distance_m > level_m;
   }
 }
 
