@@ -12,6 +12,7 @@
 #include "core/result.hpp"
 #include "drivers/recording.hpp"
 #include "drivers/simulator_physics.hpp"
+#include "drivers/simulator_sensors.hpp"
 #include "drivers/source.hpp"
 #include "drivers/terrain_load.hpp"
 #include "drivers/trajectory.hpp"
@@ -36,17 +37,9 @@ struct SimulatedFrame {
   std::uint64_t sequence = 0;
   Time time;                        ///< of row 0, from the trajectory's zero
   Grid<std::uint16_t> raw;          ///< counts; 0 = met nothing
-  Grid<float> true_range_m;         ///< along the pixel's central ray, NaN = no surface
-  Grid<std::uint16_t> reflectance;  ///< 0 … 4095; 0 = met nothing
+  Grid<float> true_range_m;         ///< along the pixel's central ray, NaN = no surface; not wrapped, no noise
+  Grid<std::uint16_t> reflectance;  ///< 0 … 4095 as the sensor takes it to be (without noise: of the ground)
 };
-
-/// What a named sensor is: geometry, mounting, timing, physics. Errors: usage (the name).
-struct SimulatedSensor {
-  SensorConfig sensor;  ///< complete: rows, columns, mounting, row period; noise and limits are filled in by Simulator
-  Duration frame_period{0};
-  SensorPhysics physics;
-};
-Result<SimulatedSensor> simulated_sensor(const std::string& name);
 
 class Simulator {
  public:
