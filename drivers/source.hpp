@@ -18,7 +18,7 @@ struct SourceEvent {
   enum class Kind : std::uint8_t { frame, timeout, end_of_stream, skipped };
   Kind kind = Kind::timeout;
   std::shared_ptr<const RangeFrame> frame;  ///< for Kind::frame
-  std::string message;                      ///< for Kind::skipped: object, expected, found
+  std::string message;  ///< for Kind::skipped: object, expected, found; for Kind::frame: a warning, mostly empty
 };
 
 class Source {

@@ -47,7 +47,7 @@ Result<Time> parse_time(std::string_view field) {
   const auto duration = parse_seconds(field);
   if (!duration || std::abs(to_seconds(*duration)) > kTableMaxSeconds)
     return Error{ErrorKind::bad_data,
-                 fmt::format("expected t_s in decimal seconds within ±8e9, found '{}'", shown(field))};
+                 fmt::format("expected t_s in decimal seconds within ±4e9, found '{}'", shown(field))};
   return Time(*duration);
 }
 

@@ -16,7 +16,7 @@
 namespace scree::drivers {
 
 inline constexpr std::size_t kTableMaxBytes = std::size_t{1} << 30;
-inline constexpr double kTableMaxSeconds = 8e9;       ///< |t_s|: leaves room in 64-bit nanoseconds for a frame's rows
+inline constexpr double kTableMaxSeconds = 4e9;       ///< |t_s|: differences of two times fit 64-bit nanoseconds
 inline constexpr double kTableMaxCoordinate_m = 1e8;  ///< |x_m|, |y_m|, |z_m| of a pose
 
 inline constexpr std::string_view kFramesHeader = "file,t_s,sequence";

@@ -2,7 +2,11 @@
 // Point files: PCD and PLY (PCL), KITTI-like .bin, text x y z.
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/result.hpp"
@@ -20,5 +24,17 @@ struct PointCloud {
 /// By extension: .pcd, .ply, .bin (float32 x y z intensity), .xyz/.txt/.csv (blanks or commas; an optional header line
 /// names the columns). Errors: no_input, bad_data (with byte offset or line).
 Result<PointCloud> read_point_cloud(const std::filesystem::path& file);
+
+inline constexpr std::size_t kPointFileMaxBytes = std::size_t{8} << 30;
+
+/// float32 x y z intensity, little-endian, non-finite points included; the allocation of `points` is kept.
+/// Errors: bad_data (not a multiple of 16 bytes).
+Status parse_bin_points(std::span<const std::uint8_t> bytes, const std::string& name,
+                        std::vector<Eigen::Vector4f>& points);
+
+/// Text points: a line each, columns apart by blanks or one comma or semicolon. Lines that begin with # or // and empty
+/// ones are skipped. A first line that is not numeric names the columns (x y z, intensity; others are ignored); without
+/// one the first three are x y z, and of exactly four the last is the intensity. Errors: bad_data with the line.
+Result<PointCloud> parse_point_text(std::string_view text, const std::string& name);
 
 }  // namespace scree::io

@@ -1,7 +1,7 @@
 #pragma once
 // The map: frames in, snapshots out, no thread of its own.
 
-#include <functional>
+#include <cstdint>
 #include <memory>
 
 #include "core/executor.hpp"
@@ -24,21 +24,31 @@ struct MapConfig {
   VehicleConfig vehicle;
 };
 
+/// Every point is counted once: counts.points == points_fused + points_outside + points_outlier + points_other_surface.
 struct StepReport {
   PixelCounts counts;
   std::uint64_t points_fused = 0;
-  std::uint64_t points_outside = 0;  ///< outside the window
-  std::uint64_t points_outlier = 0;  ///< gated out
+  std::uint64_t points_outside = 0;        ///< outside the window, or not finite
+  std::uint64_t points_outlier = 0;        ///< contradicted the stored height
+  std::uint64_t points_other_surface = 0;  ///< canopy, overhang, or the other side of an edge inside a cell
 };
 
 class Mapper {
  public:
+  /// `executor` must outlive the mapper. `config` must be valid (config/ checks it): cell_m, size_cells,
+  /// dimension_radius_cells > 0, the rest ≥ 0.
   Mapper(const MapConfig& config, Executor& executor);
   ~Mapper();
+  Mapper(const Mapper&) = delete;
+  Mapper& operator=(const Mapper&) = delete;
 
-  /// Converts, fuses, updates every layer, rolls the window to the frame's body position. Deterministic: the same
-  /// frames give the same bytes for any executor.
+  /// Rolls the window to the frame's body position, converts, fuses and computes every layer. Deterministic: the same
+  /// frames give the same bytes for any executor, however often snapshot() is called. Fails (bad_data) on a frame that
+  /// contradicts its projection and on a pose beyond the lattice; the map is then unchanged.
   Result<StepReport> step(const RangeFrame& frame);
+
+  /// The part of step() after the conversion, for points that are Cartesian already.
+  Result<StepReport> integrate(const PointFrame& points);
 
   /// The map after the last step; immutable, from a pool of reused buffers. Null before the first step.
   std::shared_ptr<const MapSnapshot> snapshot();

@@ -32,6 +32,7 @@ struct ProjectionConfig {
   int columns = 0;
   int trusted_rows = -1;          ///< rows from the top whose ranges are used; -1 = the projection's default
   int reflectance_shift = 0;      ///< 12 | 16; 0 = none (range never depends on it)
+  bool lenient = false;           ///< perceptron files: text between header and payload passes, with a warning
   std::int64_t invalid_raw = -1;  ///< raw value that means "no return"; -1 = none declared
   double unit_m = 0.01;           ///< perceptron_usf: metres per length unit of the published constants
   std::array<double, 2> field_of_view_rad{0.0, 0.0};  ///< {H, V}, Perceptron kinds; 0 = the published value

@@ -1,0 +1,44 @@
+#pragma once
+// Every layer of a snapshot from the rolling map.
+
+#include <optional>
+
+#include "core/executor.hpp"
+#include "core/rolling_grid.hpp"
+#include "fractal/dimension_map.hpp"
+#include "fractal/reconstruction.hpp"
+#include "mapping/cell_states.hpp"
+#include "mapping/cost.hpp"
+#include "mapping/ground_layers.hpp"
+#include "mapping/map_cell.hpp"
+#include "mapping/mapper.hpp"
+#include "mapping/terrain_shape.hpp"
+#include "mapping/window_law.hpp"
+
+namespace scree::mapping {
+
+/// Roughness, reconstruction, states, shape and cost, in this order. Computed once per frame: the window's law and the
+/// reconstruction's warm start advance with frames, never with readers.
+class Layers {
+ public:
+  explicit Layers(const MapConfig& config);
+  /// Sets every grid of `out`.
+  void compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out);
+
+ private:
+  const fractal::Reconstruction* reconstruct(const LatticeWindow& window, Executor& executor);
+  void publish_row(int row, MapSnapshot& out) const;
+
+  MapConfig config_;
+  GroundLayers ground_;
+  fractal::DimensionMapper dimension_mapper_;
+  fractal::DimensionMap roughness_;
+  WindowLaw window_law_;
+  std::optional<fractal::FractalLaw> law_;  ///< of the window, followed over frames
+  fractal::ConditionalReconstructor reconstructor_;
+  fractal::Reconstruction filled_;
+  CellStates states_;
+  TerrainShape shape_;
+};
+
+}  // namespace scree::mapping
