@@ -1,0 +1,216 @@
+#include "fractal/dimension_tables.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <map>
+
+namespace scree::fractal {
+namespace {
+
+constexpr int kCorrelationReach = 12;                                   // cells between two increments (max norm)
+constexpr int kLagReach = kCorrelationReach + 2 * kIncrementReach + 1;  // cells between their points
+
+using ClassMatrix = Eigen::Matrix<double, kClassCount, kClassCount>;
+using ClassVector = Eigen::Matrix<double, kClassCount, 1>;
+
+/// Σ over pairs of increments of two classes and over all offsets of the squared covariance, as signal², signal·noise
+/// and noise² so that (signal + ν·noise)² follows for every nugget ν, and kept apart by the number m of cells that the
+/// two increments share: when a cell is known with probability p, independently, both means together weigh such a pair
+/// with p^−m.
+constexpr int kMostShared = 4;
+struct EnergyCovariance {
+  std::array<ClassMatrix, kMostShared + 1> signal2, signal_noise, noise2;
+
+  ClassMatrix at(double nu, double fill) const {
+    ClassMatrix sum = ClassMatrix::Zero();
+    for (std::size_t m = 0; m <= kMostShared; ++m)
+      sum += std::pow(fill, -static_cast<double>(m)) * (signal2[m] + 2.0 * nu * signal_noise[m] + nu * nu * noise2[m]);
+    return sum;
+  }
+};
+
+/// Σ_kl λ_k λ_l at each separation p_k − q_l.
+std::map<std::pair<int, int>, int> cross_weights(const Increment& p, const Increment& q) {
+  std::map<std::pair<int, int>, int> sum;
+  for (const auto& a : p)
+    for (const auto& b : q) sum[{a.dx - b.dx, a.dy - b.dy}] += a.weight * b.weight;
+  return sum;
+}
+
+/// Generalised covariance −γ̄/2 on a quarter plane of lags.
+class Kernel {
+ public:
+  Kernel(Support support, double hurst) : values_(kLagReach * kLagReach) {
+    for (int dy = 0; dy < kLagReach; ++dy)
+      for (int dx = 0; dx <= dy; ++dx)
+        values_[index(dx, dy)] = values_[index(dy, dx)] = -0.5 * mean_variogram(support, hurst, dx, dy);
+  }
+  double operator()(int dx, int dy) const { return values_[index(std::abs(dx), std::abs(dy))]; }
+
+ private:
+  static std::size_t index(int dx, int dy) { return static_cast<std::size_t>(dy * kLagReach + dx); }
+  std::vector<double> values_;
+};
+
+int shared_cells(const Increment& p, const Increment& q, int ox, int oy) {
+  int shared = 0;
+  for (const auto& a : p)
+    for (const auto& b : q) shared += a.dx == b.dx + ox && a.dy == b.dy + oy;
+  return shared;
+}
+
+using PairSums = std::array<std::array<double, 3>, kMostShared + 1>;
+
+void add_pair(const Kernel& kernel, const Increment& p, const Increment& q, PairSums& sums) {
+  const auto weights = cross_weights(p, q);
+  for (int oy = -kCorrelationReach; oy <= kCorrelationReach; ++oy)
+    for (int ox = -kCorrelationReach; ox <= kCorrelationReach; ++ox) {
+      double signal = 0.0, noise = 0.0;
+      for (const auto& [lag, weight] : weights) {
+        signal += weight * kernel(lag.first - ox, lag.second - oy);
+        if (lag.first == ox && lag.second == oy) noise += weight;
+      }
+      const bool near = std::max(std::abs(ox), std::abs(oy)) <= 2 * kIncrementReach;
+      auto& to = sums[static_cast<std::size_t>(near ? shared_cells(p, q, ox, oy) : 0)];
+      to[0] += signal * signal;
+      to[1] += signal * noise;
+      to[2] += noise * noise;
+    }
+}
+
+EnergyCovariance energy_covariance(const Kernel& kernel) {
+  EnergyCovariance result;
+  for (int c = 0; c < kClassCount; ++c)
+    for (int d = 0; d <= c; ++d) {
+      const IncrementClass first = kClasses[static_cast<std::size_t>(c)],
+                           second = kClasses[static_cast<std::size_t>(d)];
+      PairSums sums{};
+      for (const auto& p : first.increments())
+        for (const auto& q : second.increments()) add_pair(kernel, p, q, sums);
+      const double scale = 2.0 / (first.multiplicity() * second.multiplicity());
+      for (std::size_t m = 0; m <= kMostShared; ++m) {
+        result.signal2[m](c, d) = result.signal2[m](d, c) = scale * sums[m][0];
+        result.signal_noise[m](c, d) = result.signal_noise[m](d, c) = scale * sums[m][1];
+        result.noise2[m](c, d) = result.noise2[m](d, c) = scale * sums[m][2];
+      }
+    }
+  return result;
+}
+
+ClassVector signal_variances(Support support, double hurst) {
+  ClassVector signal = ClassVector::Zero();
+  for (int c = 0; c < kClassCount; ++c) {
+    const Increment increment = kClasses[static_cast<std::size_t>(c)].increments().front();
+    for (const auto& [lag, weight] : cross_weights(increment, increment))
+      signal(c) -= 0.5 * weight * mean_variogram(support, hurst, lag.first, lag.second);
+  }
+  return signal;
+}
+
+ClassVector noise_gains() {
+  ClassVector gains;
+  for (int c = 0; c < kClassCount; ++c) gains(c) = kClasses[static_cast<std::size_t>(c)].noise_gain();
+  return gains;
+}
+
+struct Model {
+  ClassVector signal, signal_slope;  ///< per unit of C, with the nugget κ·b·γ̄0/2; slope = d/dH
+  EnergyCovariance covariance;
+  double nugget = 0.0;  ///< κ·γ̄0/2
+};
+
+std::array<float, kClassCount> to_floats(const ClassVector& v) {
+  std::array<float, kClassCount> result;
+  for (int c = 0; c < kClassCount; ++c) result[static_cast<std::size_t>(c)] = static_cast<float>(v(c));
+  return result;
+}
+
+void add_gains(const Model& model, double tau, double fill, DimensionTables& tables) {
+  const ClassVector variance = model.signal + tau * noise_gains();
+  ClassMatrix sigma = model.covariance.at(model.nugget + tau, fill);
+  sigma.array() /= (variance * variance.transpose()).array();
+  sigma.diagonal() *= 1.01;  // the sum over offsets is cut, and the matrix nearly singular as H → 1
+  const ClassMatrix weight = sigma.inverse();
+  Eigen::Matrix<double, kClassCount, 2> slopes;
+  slopes.col(0) =  // at constant E = C·signal_0(H)
+      (model.signal_slope - model.signal * (model.signal_slope(0) / model.signal(0))).cwiseQuotient(variance);
+  slopes.col(1) = model.signal.cwiseQuotient(variance);
+  const Eigen::Matrix2d covariance = (slopes.transpose() * weight * slopes).inverse();
+  const Eigen::Matrix<double, 2, kClassCount> gain = covariance * slopes.transpose() * weight;
+  const ClassVector alone = weight * slopes.col(1) / slopes.col(1).dot(weight * slopes.col(1));
+  tables.gains.push_back({to_floats(gain.row(0).transpose()), to_floats(gain.row(1).transpose()), to_floats(alone),
+                          static_cast<float>(std::sqrt(covariance(0, 0)))});
+  DimensionTables::Weight& out = tables.weights.emplace_back();
+  for (int c = 0; c < kClassCount; ++c)
+    for (int d = 0; d < kClassCount; ++d)
+      out[static_cast<std::size_t>(c * kClassCount + d)] = static_cast<float>(weight(c, d));
+}
+
+Model make_model(Support support, double hurst, double share) {
+  constexpr double kDelta = 1e-4;
+  const auto nugget = [&](double h) { return 0.5 * share * mean_variogram(support, h, 0, 0); };
+  const auto signal = [&](double h) -> ClassVector { return signal_variances(support, h) + nugget(h) * noise_gains(); };
+  Model model;
+  model.nugget = nugget(hurst);
+  model.signal = signal(hurst);
+  model.signal_slope = (signal(hurst + kDelta) - signal(hurst - kDelta)) / (2.0 * kDelta);
+  return model;
+}
+
+/// See DimensionTables::max_hurst: where d log(energy_4/energy_1)/dH falls below a fifth of its noise-free 2·log 4.
+float largest_tellable_hurst(const DimensionTables& tables, double share) {
+  constexpr double kLeastSlope = 0.5;
+  const auto log_ratio = [&](int node) {
+    const auto& at = tables.variances[static_cast<std::size_t>(node)];
+    const double rest = 1.0 - DimensionTables::hurst_of(node), nugget = share * at.half_gamma0 * 6.0;
+    return std::log((rest * at.reduced_signal[4] + nugget) / (rest * at.reduced_signal[0] + nugget));
+  };
+  int node = DimensionTables::kVarianceNodes / 2;
+  const double step = DimensionTables::hurst_of(1) - DimensionTables::hurst_of(0);
+  while (node + 1 < DimensionTables::kVarianceNodes && log_ratio(node + 1) - log_ratio(node) > kLeastSlope * step)
+    ++node;
+  return static_cast<float>(DimensionTables::hurst_of(node));
+}
+
+DimensionTables build(Support support) {
+  DimensionTables tables;
+  tables.has_nugget = support == Support::block;
+  for (int i = 0; i < DimensionTables::kVarianceNodes; ++i) {
+    const double hurst = DimensionTables::hurst_of(i);
+    tables.variances.push_back({to_floats(signal_variances(support, hurst) / (1.0 - hurst)),
+                                static_cast<float>(0.5 * mean_variogram(support, hurst, 0, 0))});
+  }
+  std::vector<EnergyCovariance> covariances;
+  for (int i = 0; i < DimensionTables::kHurstNodes; ++i)
+    covariances.push_back(
+        energy_covariance(Kernel(support, DimensionTables::hurst_of(i * DimensionTables::kGainStride))));
+  for (const double share : DimensionTables::kNuggets) {
+    for (const double fill : DimensionTables::kFills)
+      for (int i = 0; i < DimensionTables::kHurstNodes; ++i) {
+        const double hurst = DimensionTables::hurst_of(i * DimensionTables::kGainStride);
+        Model model = make_model(support, hurst, share);
+        model.covariance = covariances[static_cast<std::size_t>(i)];
+        for (int t = 0; t < DimensionTables::kNoiseNodes; ++t) {
+          const double rho = DimensionTables::kMinNoise * std::exp(t * DimensionTables::kLogNoiseStep);
+          add_gains(model, rho * model.signal(0), fill, tables);
+        }
+      }
+    tables.max_hurst.push_back(tables.has_nugget ? largest_tellable_hurst(tables, share)
+                                                 : static_cast<float>(kMaxHurst));
+    if (!tables.has_nugget) break;
+  }
+  return tables;
+}
+
+}  // namespace
+
+const DimensionTables& dimension_tables(Support support) {
+  if (support == Support::centre_point) {
+    static const DimensionTables points = build(Support::centre_point);
+    return points;
+  }
+  static const DimensionTables blocks = build(Support::block);
+  return blocks;
+}
+
+}  // namespace scree::fractal

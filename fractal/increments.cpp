@@ -1,0 +1,69 @@
+#include "fractal/increments.hpp"
+
+#include "core/simd.hpp"
+
+namespace scree::fractal {
+namespace {
+
+SCREE_CLONES void add_three_point(const float* z, const float* m, std::ptrdiff_t step, int n, float* energy,
+                                  float* count) {
+  for (int i = 0; i < n; ++i) {
+    const float weight = m[i - step] * m[i] * m[i + step];
+    const float change = (z[i - step] - z[i]) + (z[i + step] - z[i]);
+    energy[i] += weight * (change * change);
+    count[i] += weight;
+  }
+}
+
+SCREE_CLONES void add_square(const float* z, const float* m, int step, std::ptrdiff_t down, int n, float* energy,
+                             float* count) {
+  for (int i = 0; i < n; ++i) {
+    const float weight = (m[i] * m[i + step]) * (m[i + down] * m[i + down + step]);
+    const float change = (z[i] - z[i + step]) - (z[i + down] - z[i + down + step]);
+    energy[i] += weight * (change * change);
+    count[i] += weight;
+  }
+}
+
+}  // namespace
+
+std::vector<Increment> IncrementClass::increments() const {
+  const int h = step;
+  const auto three = [](int dx, int dy) { return Increment{{-dx, -dy, 1}, {0, 0, -2}, {dx, dy, 1}}; };
+  switch (shape) {
+    case IncrementShape::axis:
+      return {three(h, 0), three(0, h)};
+    case IncrementShape::diagonal:
+      return {three(h, h), three(h, -h)};
+    case IncrementShape::square:
+      break;
+  }
+  const int low = -(h / 2), high = low + h;  // no centre cell for odd h: the corner at −⌊h/2⌋
+  return {{{low, low, 1}, {high, low, -1}, {low, high, -1}, {high, high, 1}}};
+}
+
+void increment_energies(const MaskedHeights& z, IncrementClass increment_class, int row, std::span<float> energy,
+                        std::span<float> count) {
+  const std::ptrdiff_t stride = z.stride();
+  const int n = z.columns, h = increment_class.step;
+  const float* height = z.height.data() + z.offset(row, 0);
+  const float* mask = z.mask.data() + z.offset(row, 0);
+  for (int i = 0; i < n; ++i) energy[static_cast<std::size_t>(i)] = count[static_cast<std::size_t>(i)] = 0.0F;
+  switch (increment_class.shape) {
+    case IncrementShape::axis:
+      add_three_point(height, mask, h, n, energy.data(), count.data());
+      add_three_point(height, mask, h * stride, n, energy.data(), count.data());
+      break;
+    case IncrementShape::diagonal:
+      add_three_point(height, mask, h * stride + h, n, energy.data(), count.data());
+      add_three_point(height, mask, h * stride - h, n, energy.data(), count.data());
+      break;
+    case IncrementShape::square: {
+      const std::ptrdiff_t corner = -(h / 2) * (stride + 1);
+      add_square(height + corner, mask + corner, h, h * stride, n, energy.data(), count.data());
+      break;
+    }
+  }
+}
+
+}  // namespace scree::fractal

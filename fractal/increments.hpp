@@ -1,0 +1,55 @@
+#pragma once
+// The eight classes of second-difference increments. Each annihilates every plane exactly.
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace scree::fractal {
+
+inline constexpr int kClassCount = 8;
+
+struct IncrementPoint {
+  int dx, dy;  ///< from the centre cell
+  int weight;
+};
+using Increment = std::vector<IncrementPoint>;
+
+enum class IncrementShape { axis, diagonal, square };
+
+/// (1, −2, 1) along an axis or a diagonal, or (1, −1, −1, 1) on a square, of step h cells. A class holds the increments
+/// that a symmetry of the lattice maps onto each other: two directions for the three-point shapes, one square.
+struct IncrementClass {
+  IncrementShape shape;
+  int step;
+  int multiplicity() const { return shape == IncrementShape::square ? 1 : 2; }
+  /// Σ λ²: the variance that white noise of unit variance gives.
+  int noise_gain() const { return shape == IncrementShape::square ? 4 : 6; }
+  std::vector<Increment> increments() const;
+};
+
+inline constexpr std::array<IncrementClass, kClassCount> kClasses = {{{IncrementShape::axis, 1},
+                                                                      {IncrementShape::diagonal, 1},
+                                                                      {IncrementShape::axis, 2},
+                                                                      {IncrementShape::diagonal, 2},
+                                                                      {IncrementShape::axis, 4},
+                                                                      {IncrementShape::square, 1},
+                                                                      {IncrementShape::square, 2},
+                                                                      {IncrementShape::square, 4}}};
+inline constexpr int kIncrementReach = 4;  ///< cells beyond the centre
+
+/// Heights with a rim of kIncrementReach unknown cells all round: height 0 and mask 0 where unknown, mask 1 elsewhere.
+struct MaskedHeights {
+  int rows = 0, columns = 0;  ///< without the rim
+  std::vector<float> height, mask;
+  int stride() const { return columns + 2 * kIncrementReach; }
+  std::ptrdiff_t offset(int row, int column) const {
+    return static_cast<std::ptrdiff_t>(row + kIncrementReach) * stride() + column + kIncrementReach;
+  }
+};
+
+/// Squares and counts of the complete increments of one class, centred at each cell of one row. Branch-free.
+void increment_energies(const MaskedHeights& z, IncrementClass increment_class, int row, std::span<float> energy,
+                        std::span<float> count);
+
+}  // namespace scree::fractal
