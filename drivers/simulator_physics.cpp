@@ -12,8 +12,9 @@ namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kLeastSignal = 1e-6;  // of reflectance · cos: a surface seen edge-on returns next to nothing
-constexpr double kPulse_m = 0.3;       // echoes closer than this are one (about 2 ns)
-constexpr double kStereoGroup = 0.05;  // of the range
+constexpr double kPulse_m = 0.3;       // echoes closer than this are one (about 2 ns) …
+constexpr double kPulseRatio = 0.02;   // … or than this share of the range: slanted ground under one beam
+constexpr double kStereoRatio = 0.05;  // a patch that slants by more cannot be matched
 
 constexpr std::uint64_t kTextureStream = 0x7465787475726500;
 constexpr std::uint64_t kDriftStream = 0x6472696674000000;
@@ -54,9 +55,9 @@ BeamReading read_phase(const SensorPhysics& physics, double ambiguity_m, std::sp
   return {range, std::abs(phasor) * nearest * nearest};
 }
 
-/// Mean of the strongest group of neighbouring echoes, weighted by `weight`.
-template <class Weight, class Width>
-BeamEcho strongest_group(std::vector<BeamEcho>& echoes, const Weight& weight, const Width& width, double& total) {
+/// Mean of the strongest chain of echoes with gaps of at most `gap(range)`, weighted by `weight`.
+template <class Weight, class Gap>
+BeamEcho strongest_group(std::vector<BeamEcho>& echoes, const Weight& weight, const Gap& gap, double& total) {
   std::sort(echoes.begin(), echoes.end(), [](const auto& a, const auto& b) { return a.range_m < b.range_m; });
   BeamEcho best;
   total = 0.0;
@@ -64,7 +65,8 @@ BeamEcho strongest_group(std::vector<BeamEcho>& echoes, const Weight& weight, co
     BeamEcho mean{0.0, 0.0, 0.0};
     double sum = 0.0;
     std::size_t i = begin;
-    for (; i < echoes.size() && echoes[i].range_m - echoes[begin].range_m <= width(echoes[begin].range_m); ++i) {
+    for (; i == begin || (i < echoes.size() && echoes[i].range_m - echoes[i - 1].range_m <= gap(echoes[i].range_m));
+         ++i) {
       const double w = weight(echoes[i]);
       sum += w;
       mean.range_m += w * echoes[i].range_m;
@@ -91,11 +93,11 @@ std::optional<BeamReading> read_group(const SensorPhysics& physics, std::span<co
   BeamEcho group;
   if (physics.principle == RangePrinciple::pulse) {
     group = strongest_group(
-        near, [](const BeamEcho& e) { return signal(e) / (e.range_m * e.range_m); }, [](double) { return kPulse_m; },
-        total);
+        near, [](const BeamEcho& e) { return signal(e) / (e.range_m * e.range_m); },
+        [](double range) { return std::max(kPulse_m, kPulseRatio * range); }, total);
   } else {
     group = strongest_group(
-        near, [](const BeamEcho&) { return 1.0; }, [](double range) { return kStereoGroup * range; }, total);
+        near, [](const BeamEcho&) { return 1.0; }, [](double range) { return kStereoRatio * range; }, total);
     if (2.0 * total < parts) return std::nullopt;
   }
   const double sigma = nominal_sigma_m(physics, group.range_m, group.reflectance, group.cos_incidence);

@@ -51,8 +51,8 @@ double nominal_sigma_m(const SensorPhysics& physics, double range_m, double refl
 /// The reading of a beam of `parts` equal parts, of which `echoes` met something within the physics' max_range_m or
 /// beyond. `normals`: four independent standard normals. phase: arg of Σ (s/ρ²)·e^{iφ} plus complex noise, which turns
 /// into a uniformly random range where the signal drowns; at edges anywhere between, or beyond, the surfaces. pulse:
-/// mean range of the strongest group of echoes within 0.3 m. stereo: mean of the largest group within 5 % of range if
-/// it fills half of the beam. Nothing: no reading (never for phase).
+/// mean range of the strongest chain of echoes with gaps below 0.3 m or 2 % of range. stereo: mean of the largest chain
+/// with gaps below 5 % of range, if it fills half of the beam. Nothing: no reading (never for phase).
 std::optional<BeamReading> read_beam(const SensorPhysics& physics, double ambiguity_m, std::span<const BeamEcho> echoes,
                                      int parts, const std::array<double, 4>& normals);
 

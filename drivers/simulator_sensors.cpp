@@ -85,6 +85,7 @@ SimulatedSensor lidar64() {
   simulated.physics.principle = RangePrinciple::pulse;
   simulated.physics.jitter_m = 0.015;
   simulated.physics.shot_per_m = 2e-4;
+  simulated.physics.beam_pitches = 0.3;  // 2 mrad, narrower than the spacing of its beams
   simulated.physics.max_range_m = 120.0;
   simulated.sensor.filter.range_min_m = 0.9;
   return simulated;
