@@ -1,6 +1,7 @@
 #pragma once
 // A receiver of the map protocol: what `scree listen` shows and what the tests hold against the node.
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -11,37 +12,58 @@
 #include "core/result.hpp"
 #include "drivers/source.hpp"
 #include "mapping/snapshot.hpp"
+#include "node/protocol_messages.hpp"
+#include "node/protocol_reject.hpp"
 
 namespace scree::node {
 
+/// Every datagram is accepted or counted under exactly one reason:
+/// datagrams == accepted + rejected + refused_origin + ignored.
 struct ListenerCounters {
-  std::uint64_t datagrams = 0;  ///< received
-  std::uint64_t lost = 0;       ///< gaps in seq
-  std::uint64_t rejected = 0;   ///< failed a check; sum of `rejected_*`
-  std::uint64_t refused_origin = 0;
-  std::uint64_t tiles = 0;
+  std::uint64_t datagrams = 0;             ///< received
+  std::uint64_t accepted = 0;              ///< passed every check
+  std::uint64_t lost = 0;                  ///< gaps in seq that no late datagram filled, over all boots
+  std::uint64_t rejected = 0;              ///< failed a check; sum of rejected_by without origin, type and layer
+  std::uint64_t refused_origin = 0;        ///< replay, sim or hil where not accepted
+  std::uint64_t ignored = 0;               ///< types and layers that this reader does not know
+  std::uint64_t tiles = 0;                 ///< TILE blocks taken into the map
+  std::uint64_t tiles_without_window = 0;  ///< accepted, but no ANNOUNCE yet
+  std::uint64_t tiles_outside = 0;         ///< accepted, but outside the announced window
+  std::uint64_t tiles_outdated = 0;        ///< accepted, but older than what is held
+  std::uint64_t overflowed = 0;            ///< dropped by the kernel: receive buffer full
+  std::array<std::uint64_t, protocol::kRejectReasons> rejected_by{};  ///< by protocol::Reject
 };
 
 enum class LinkState : std::uint8_t { waiting, fresh, stale, lost };
 
 class Listener {
  public:
-  /// Binds `address` ("127.0.0.1:47800"). Errors: unavailable (port taken), usage.
-  static Result<std::unique_ptr<Listener>> open(const std::string& address, std::set<drivers::Origin> accept);
+  /// Binds `address` ("127.0.0.1:47800"; port 0 = any free one). Listens to `stream_id`, or to the first stream of an
+  /// accepted origin that comes. Errors: unavailable (port taken), usage (not an address, or every address at once).
+  static Result<std::unique_ptr<Listener>> open(const std::string& address, std::set<drivers::Origin> accept,
+                                                std::optional<std::uint32_t> stream_id = std::nullopt);
   ~Listener();
 
   /// Receives for at most `timeout`, then applies the freshness rules. True when something arrived.
   Result<bool> poll(std::chrono::milliseconds timeout);
 
+  std::uint16_t port() const;  ///< the one that is bound
   LinkState link() const;
-  bool ended() const;                             ///< BYE was received
-  std::optional<drivers::Origin> origin() const;  ///< of the last accepted datagram
-  std::uint16_t health() const;
+  bool ended() const;  ///< BYE was received
+  std::optional<protocol::ByeReason> bye_reason() const;
+  std::optional<drivers::Origin> origin() const;          ///< of the last accepted datagram
+  std::optional<drivers::Origin> refused_origin() const;  ///< of the last one that was refused for it
+  std::uint16_t health() const;                           ///< FAULT also when two senders share the stream
   const ListenerCounters& counters() const;
+  /// The last ANNOUNCE of the present boot: names, layers, geo anchor, times.
+  const std::optional<protocol::Announce>& announce() const;
+  const std::optional<protocol::Heartbeat>& heartbeat() const;
 
-  /// The map as received now; every cell unknown when LOST. Null before the first ANNOUNCE.
+  /// The map as received now, on the cells that ANNOUNCE names; every cell unknown (and never_seen) unless the link is
+  /// fresh or stale. Layers that were not received are NaN, hits 0, T_map_body the identity. Null before the first
+  /// ANNOUNCE. Cost: a new snapshot each call, about 40 ns per cell.
   std::shared_ptr<const mapping::MapSnapshot> map() const;
-  /// The last valid map before it was LOST.
+  /// The last valid map: the present one while the link is fresh or stale, else as it was before it was LOST.
   std::shared_ptr<const mapping::MapSnapshot> last_valid_map() const;
 
   // from the last HEARTBEAT
