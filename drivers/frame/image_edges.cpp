@@ -9,8 +9,8 @@ namespace {
 
 /// The rules of FilterConfig in float, ready for the inner loop.
 struct EdgeRule {
-  float ambiguity_m, half_ambiguity_m;
-  float join_m, join_ratio;
+  float ambiguity_m, half_ambiguity_m, intervals_per_m, max_wraps;
+  float join_m, join_ratio, max_level_step_m;
   float noise_m, noise_per_m, noise_per_m2;  ///< bound of five standard deviations of a range difference
 };
 
@@ -21,6 +21,9 @@ EdgeRule edge_rule(const RayTables& tables) {
   EdgeRule rule{};
   rule.ambiguity_m = ambiguity;
   rule.half_ambiguity_m = ambiguity > 0.0F ? 0.5F * ambiguity : std::numeric_limits<float>::infinity();
+  rule.intervals_per_m = ambiguity > 0.0F ? 1.0F / ambiguity : 0.0F;
+  rule.max_wraps = static_cast<float>(sensor.filter.max_wraps) + 0.5F;
+  rule.max_level_step_m = 0.125F * rule.half_ambiguity_m;
   rule.join_m = static_cast<float>(sensor.filter.join_m);
   rule.join_ratio = static_cast<float>(sensor.filter.join_ratio);
   rule.noise_m = kSigmas * (static_cast<float>(sensor.noise.sigma_m) + 0.289F * tables.quantum_m);
@@ -29,21 +32,30 @@ EdgeRule edge_rule(const RayTables& tables) {
   return rule;
 }
 
-/// Comparisons with NaN are false, so an edge to a missing pixel comes out as 0 without a branch.
+/// An ambiguous sensor tells the phase of the range only. Tolerances take the smallest reading, which joins less of
+/// what is far; the step of level ground, without which far ground would fall apart, takes the reading nearest to that
+/// ground, and at most a sixteenth of the ambiguity. Comparisons with NaN are false, so an edge to a missing pixel
+/// comes out as 0 without a branch.
 SCREE_CLONES void compare(const EdgeRule& rule, const float* here, const float* there, const float* grazing,
-                          const float* level, int count, std::uint8_t* out) {
+                          const float* level, const float* level_ground, int count, std::uint8_t* out) {
   for (int i = 0; i < count; ++i) {
     const float difference = there[i] - here[i];
     const int wraps =
         static_cast<int>(difference > rule.half_ambiguity_m) - static_cast<int>(difference < -rule.half_ambiguity_m);
     const float step = difference - static_cast<float>(wraps) * rule.ambiguity_m;
     const float range = here[i] < there[i] ? here[i] : there[i];
+    float intervals = (level_ground[i] - range) * rule.intervals_per_m + 0.5F;
+    intervals = intervals > 0.0F ? intervals : 0.0F;
+    intervals = intervals < rule.max_wraps ? intervals : rule.max_wraps;
+    const float unwrapped = range + static_cast<float>(static_cast<int>(intervals)) * rule.ambiguity_m;
     const float tolerance = rule.join_m + rule.join_ratio * range;
-    const float level_step = level[i] * range;
-    const float low = level_step < 0.0F ? level_step : 0.0F;
-    const float high = level_step > 0.0F ? level_step : 0.0F;
-    const float noise = rule.noise_m + range * (rule.noise_per_m + range * rule.noise_per_m2);
-    const float grazing_step = grazing[i] * range;
+    const float level_step = level[i] * unwrapped;
+    float low = level_step < 0.0F ? level_step : 0.0F;
+    float high = level_step > 0.0F ? level_step : 0.0F;
+    low = low > -rule.max_level_step_m ? low : -rule.max_level_step_m;
+    high = high < rule.max_level_step_m ? high : rule.max_level_step_m;
+    const float noise = rule.noise_m + unwrapped * (rule.noise_per_m + unwrapped * rule.noise_per_m2);
+    const float grazing_step = grazing[i] * unwrapped;
     const float closeness = noise > grazing_step ? noise : grazing_step;
     const float magnitude = step < 0.0F ? -step : step;
     const float quarter = 0.25F * tolerance;
@@ -66,14 +78,16 @@ void ImageEdges::compute(const Grid<float>& range_m, const RayTables& tables, Ex
     down.assign(rows, columns, 0);
   }
   const EdgeRule rule = edge_rule(tables);
+  const bool ambiguous = tables.projection->ambiguity_m > 0.0;
   executor.for_ranges(rows, [&](int begin, int end) {
     for (int r = begin; r < end; ++r) {
       const float* here = range_m.row(r).data();
-      compare(rule, here, here + 1, tables.grazing_right.row(r).data(), tables.level_right.row(r).data(), columns - 1,
-              right.row(r).data());
+      const float* level_ground = (ambiguous ? tables.level_ground_m : range_m).row(r).data();  // unused without wraps
+      compare(rule, here, here + 1, tables.grazing_right.row(r).data(), tables.level_right.row(r).data(), level_ground,
+              columns - 1, right.row(r).data());
       if (r + 1 < rows)
         compare(rule, here, range_m.row(r + 1).data(), tables.grazing_down.row(r).data(),
-                tables.level_down.row(r).data(), columns, down.row(r).data());
+                tables.level_down.row(r).data(), level_ground, columns, down.row(r).data());
     }
   });
 }

@@ -54,6 +54,7 @@ SurfaceEvidence& PhaseEvidence::evidence_of(const Surfaces& surfaces, std::int32
     SurfaceEvidence fresh;
     fresh.root = root;
     fresh.size = surfaces.size(root);
+    fresh.twisted = surfaces.twisted(root);
     surfaces_.push_back(fresh);
   }
   return surfaces_[surface_of(root)];

@@ -21,9 +21,10 @@ struct SurfaceEvidence {
   std::int32_t root = 0;
   std::int32_t size = 0;
   std::int32_t visited = 0;
-  Bins ground{};   ///< pixels that must be ground near the robot
-  Bins mapped{};   ///< asked pixels that lie on mapped ground in this interval and in no other
-  Bins covered{};  ///< asked pixels whose candidate in this interval lies over or under mapped ground
+  bool twisted = false;  ///< two ways through the surface disagree about the intervals between their ends
+  Bins ground{};         ///< pixels that must be ground near the robot
+  Bins mapped{};         ///< asked pixels that lie on mapped ground in this interval and in no other
+  Bins covered{};        ///< asked pixels whose candidate in this interval lies over or under mapped ground
 
   static bool representable(int root_interval) { return root_interval >= -kBins / 2 && root_interval < kBins / 2; }
   static std::size_t bin(int root_interval) { return static_cast<std::size_t>(root_interval + kBins / 2); }

@@ -46,7 +46,7 @@ PhaseResolver::Decision PhaseResolver::decide(const SurfaceEvidence& evidence, c
   }
   if (best < filter.anchor_min_pixels) return {};
   const int interval = static_cast<int>(best_bin) - SurfaceEvidence::kBins / 2;
-  if (second * kMajority > best) return {Verdict::contradiction, interval};
+  if (second * kMajority > best || evidence.twisted) return {Verdict::contradiction, interval};
   if (evidence.ground[best_bin] < filter.anchor_min_pixels &&
       evidence.mapped[best_bin] < kMapShare * evidence.covered[best_bin])
     return {};
@@ -79,6 +79,7 @@ void PhaseResolver::assume_first_interval(const Surfaces& surfaces, const Grid<P
 /// A pixel whose own evidence contradicts its surface, and one beyond the intervals considered, is not mapped.
 void PhaseResolver::apply(const RayTables& tables, const Surfaces& surfaces, const Grid<PixelState>& labelled,
                           Grid<PixelState>& state, Grid<float>& range_m, Grid<std::int8_t>& wraps) const {
+  const FilterConfig& filter = tables.sensor->filter;
   const float ambiguity = static_cast<float>(tables.projection->ambiguity_m);
   for (std::size_t i = 0; i < state.size(); ++i) {
     if (labelled[i] != PixelState::kept) continue;
@@ -89,8 +90,8 @@ void PhaseResolver::apply(const RayTables& tables, const Surfaces& surfaces, con
     const float resolved_m = range_m[i] + static_cast<float>(interval) * ambiguity;
     const int vote = evidence_.vote(i);
     if (vote != PhaseEvidence::kNoVote && vote != interval) continue;
-    if (interval < PhaseEvidence::kFirstCandidate || interval > tables.sensor->filter.max_wraps || resolved_m <= 0.0F)
-      continue;
+    if (interval < PhaseEvidence::kFirstCandidate || resolved_m <= 0.0F) continue;
+    if (interval > filter.max_wraps && resolved_m <= static_cast<float>(filter.range_max_m)) continue;
     state[i] = PixelState::kept;
     range_m[i] = resolved_m;
     wraps[i] = static_cast<std::int8_t>(interval);
@@ -106,7 +107,7 @@ void PhaseResolver::split_contradictions(const Scene& scene, Surfaces& surfaces,
     if (labelled_[i] == PixelState::kept &&
         decisions_[evidence_.surface_of(surfaces.root(i))].verdict == Verdict::contradiction)
       contradictory_[i] = PixelState::kept;
-  surfaces.label(contradictory_, scene.edges, Surfaces::Joining::tight_quads);
+  surfaces.label(contradictory_, scene.edges, Surfaces::Joining::tight_cores);
   evidence_.collect(scene.tables, scene.poses, scene.ground, surfaces, contradictory_, range_m);
   decisions_.clear();
   for (const SurfaceEvidence& surface : evidence_.surfaces())

@@ -20,7 +20,7 @@ class PhaseResolver {
   };
 
   /// Adds the intervals to the kept pixels of `range_m` and stores them in `wraps`; pixels whose interval cannot be
-  /// told become `ambiguous`. `surfaces` is labelled by quads over the kept pixels on entry and is used up.
+  /// told become `ambiguous`. `surfaces` is labelled by cores over the kept pixels on entry and is used up.
   /// Returns true when the first interval was assumed (PhasePolicy::first_interval).
   bool resolve(const Scene& scene, Surfaces& surfaces, Grid<PixelState>& state, Grid<float>& range_m,
                Grid<std::int8_t>& wraps);

@@ -171,7 +171,7 @@ Status PointConverter::convert(const RangeFrame& frame, const GroundLookup& grou
     reject_by_neighbours(w.range_m, w.edges, w.tables, executor, w.state);
   }
   if (speckle || ambiguous) {
-    w.surfaces.label(w.state, w.edges, ambiguous ? Surfaces::Joining::quads : Surfaces::Joining::edges);
+    w.surfaces.label(w.state, w.edges, ambiguous ? Surfaces::Joining::cores : Surfaces::Joining::edges);
     w.drop_small_surfaces(executor);
   }
   const bool assumed = ambiguous && w.resolve_phase(ground, executor);

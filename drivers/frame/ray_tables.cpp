@@ -69,6 +69,8 @@ void fill_ground(RayTables& tables, int row, int column, const BodyRay& ray) {
   float& far = tables.ground_far_m(row, column);
   near = kInfinity;
   far = -kInfinity;
+  if (ray.direction.z() < kLooksDown && ray.origin_m.z() > 0.0)
+    tables.level_ground_m(row, column) = static_cast<float>(-ray.origin_m.z() / ray.direction.z());
   if (drop_slow <= 0.0 || ray.origin_m.z() <= 0.0) return;
   const double far_m = (ray.origin_m.z() + reach_m) / drop_slow;
   if (far_m - tables.projection->ambiguity_m >= filter.range_min_m) return;
@@ -109,7 +111,7 @@ void RayTables::prepare(const std::shared_ptr<const Projection>& new_projection,
   if (image)
     for (auto* table : {&grazing_right, &grazing_down, &level_right, &level_down}) table->assign(rows, columns, 0.0F);
   if (image && projection->ambiguity_m > 0.0)
-    for (auto* table : {&ground_near_m, &ground_far_m}) table->assign(rows, columns, 0.0F);
+    for (auto* table : {&ground_near_m, &ground_far_m, &level_ground_m}) table->assign(rows, columns, 0.0F);
 
   executor.for_ranges(rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {

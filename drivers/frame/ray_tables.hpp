@@ -28,6 +28,8 @@ struct RayTables {
   /// Ambiguous sensors only: the ranges at which the ray can meet ground near the robot, where the phase tells them
   /// apart; near > far elsewhere.
   Grid<float> ground_near_m, ground_far_m;
+  /// Ambiguous sensors only: where the ray meets level ground through the body's origin; 0 where it does not.
+  Grid<float> level_ground_m;
 
   /// Does nothing when both objects are those of the last call.
   void prepare(const std::shared_ptr<const Projection>& new_projection,

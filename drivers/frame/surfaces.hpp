@@ -1,6 +1,7 @@
 #pragma once
 // Connected surfaces of a range image, and how many ambiguity intervals lie between their pixels.
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -16,9 +17,9 @@ class Surfaces {
  public:
   enum class Joining : std::uint8_t {
     edges,        ///< every joined edge between kept pixels: unambiguous sensors
-    quads,        ///< sides of 2 × 2 blocks whose four edges are joined and whose wraps cancel around the block; tight
-                  ///< blocks first, so that doubtful ones cannot overrule them
-    tight_quads,  ///< tight blocks only: what is left of a surface whose evidence contradicts itself
+    cores,        ///< through pixels whose 5 × 5 neighbourhood is joined throughout; then the pixels up to four steps
+                  ///< from them
+    tight_cores,  ///< the same with tight joins only: to split a surface whose evidence contradicts itself
   };
 
   /// Labels the pixels whose state is `kept`.
@@ -30,22 +31,40 @@ class Surfaces {
   int wraps(std::size_t i) const { return wraps_[i]; }
   /// Pixels of the surface with this root.
   int size(std::int32_t root) const { return size_[static_cast<std::size_t>(root)]; }
+  /// Two ways through the surface with this root disagree about the intervals between their ends: somewhere it is
+  /// joined across an edge whose depth is about one interval.
+  bool twisted(std::int32_t root) const { return std::binary_search(twisted_.begin(), twisted_.end(), root); }
 
  private:
-  void join_edges(const ImageEdges& edges);
-  void join_quads(const ImageEdges& edges, std::uint8_t needed);
-  void flatten();
   struct Rooted {
     std::int32_t root;
     std::int32_t wraps;  ///< beyond the root's
   };
+  struct Attachment {
+    std::int32_t pixel;
+    Rooted to;
+  };
+
+  void join_edges(const ImageEdges& edges);
+  void find_quads(const ImageEdges& edges, std::uint8_t needed);
+  void find_cores();
+  void join_cores(const ImageEdges& edges);
+  void grow(const ImageEdges& edges);
+  bool attach(const ImageEdges& edges, int row, int column, Rooted& to) const;
+  void flatten();
+  void measure();
   Rooted find(std::int32_t i);
   void unite(std::int32_t a, std::int32_t b, int wraps_a_to_b);
 
   int rows_ = 0;
   int columns_ = 0;
   std::vector<std::int32_t> parent_, size_;
-  std::vector<std::int32_t> wraps_;  ///< relative to the parent; to the root once flattened
+  std::vector<std::int32_t> wraps_;    ///< relative to the parent; to the root once flattened
+  std::vector<std::int32_t> twisted_;  ///< pixels while joining, sorted roots once measured
+  Grid<std::uint8_t> quad_;            ///< 1: the 2 × 2 block right and below is joined and its wraps cancel
+  Grid<std::uint8_t> row_of_quads_;    ///< 1: the four quads of a 5-pixel row of quads around this pixel are whole
+  Grid<std::uint8_t> core_;            ///< 1: belongs to a core, or was attached to one
+  std::vector<Attachment> attachments_;
 };
 
 }  // namespace scree

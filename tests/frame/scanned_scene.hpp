@@ -1,6 +1,7 @@
 #pragma once
 // Analytic scenes seen through a projection: exact ray casting in double, then the sensor's counts.
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
@@ -41,6 +42,59 @@ inline Scene nearest(Scene a, Scene b) {
     return first && second ? std::min(*first, *second) : (first ? first : second);
   };
 }
+
+/// Rough ground, zero below the robot: 48 sinusoids whose wavelengths run from 0.1 to 10 m and whose amplitudes fall as
+/// frequency^−1.5 (H = 0.5), scaled to `rms_1m` metres of height change between points 1 m apart.
+class RoughGround {
+ public:
+  RoughGround(double rms_1m, std::uint64_t seed) {
+    double change2 = 0.0;
+    for (int i = 0; i < kWaves; ++i) {
+      const auto words = random_words(seed, 2, i, 0);
+      const double frequency = 0.1 * std::pow(100.0, (i + 0.5) / kWaves);
+      const double angle = 6.2832 * to_uniform(words[0]);
+      Wave& wave = waves_[static_cast<std::size_t>(i)];
+      wave.kx = 6.2832 * frequency * std::cos(angle);
+      wave.ky = 6.2832 * frequency * std::sin(angle);
+      wave.phase = 6.2832 * to_uniform(words[1]);
+      wave.amplitude = std::pow(frequency, -0.5);  // log-spaced waves: spectral density f^-2
+      change2 += wave.amplitude * wave.amplitude * (1.0 - std::cos(6.2832 * frequency * 0.7));
+    }
+    for (auto& wave : waves_) wave.amplitude *= rms_1m / std::sqrt(change2);
+    offset_ = height(0.0, 0.0);
+  }
+  double height(double x, double y) const {
+    double z = -offset_;
+    for (const auto& wave : waves_) z += wave.amplitude * std::sin(wave.kx * x + wave.ky * y + wave.phase);
+    return z;
+  }
+  /// Marches in steps of a quarter of the shortest wave's height over the ground, then bisects to 0.1 mm.
+  std::optional<double> operator()(const Eigen::Vector3d& o, const Eigen::Vector3d& d) const {
+    const auto clearance = [&](double t) { return o.z() + t * d.z() - height(o.x() + t * d.x(), o.y() + t * d.y()); };
+    double before = 0.3;
+    double above = clearance(before);
+    while (before < 60.0) {
+      const double after = before + std::max(0.02, 0.3 * above);
+      above = clearance(after);
+      if (above <= 0.0) {
+        double low = before;
+        double high = after;
+        while (high - low > 1e-4) (clearance(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
+        return 0.5 * (low + high);
+      }
+      before = after;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr int kWaves = 48;
+  struct Wave {
+    double kx, ky, phase, amplitude;
+  };
+  std::array<Wave, kWaves> waves_;
+  double offset_ = 0.0;
+};
 
 /// Perceptron axes (x left, y up, z out) on a body (x forward, y left, z up), pitched down.
 inline Pose perceptron_mount(double height_m, double pitch_down_rad, double forward_m = 0.0) {
