@@ -44,7 +44,8 @@ void Surfaces::find_cores() {
   }
 }
 
-/// Neighbouring cores are joined: the edge between them belongs to whole quads.
+/// Neighbouring cores are joined: the edge between them belongs to whole quads. The down edge beside another one adds
+/// nothing, since the wraps cancel around the quad between them.
 void Surfaces::join_cores(const ImageEdges& edges) {
   for (int r = 2; r + 2 < rows_; ++r) {
     const std::uint8_t* core = core_.row(r).data();
@@ -55,7 +56,8 @@ void Surfaces::join_cores(const ImageEdges& edges) {
     for (int c = 0; c + 1 < columns_; ++c, ++i) {
       if (core[c] == 0) continue;  // a range that grows by an interval along an edge means one interval fewer there
       if (core[c + 1] != 0) unite(i, i + 1, -edge::wraps(right[c]));
-      if (below[c] != 0) unite(i, i + columns_, -edge::wraps(down[c]));
+      const bool beside_another = c > 0 && (core[c - 1] & below[c - 1]) != 0;
+      if (below[c] != 0 && !beside_another) unite(i, i + columns_, -edge::wraps(down[c]));
     }
   }
 }

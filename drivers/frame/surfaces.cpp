@@ -53,15 +53,21 @@ void Surfaces::unite(std::int32_t a, std::int32_t b, int wraps_a_to_b) {
   }
 }
 
+/// The down edge that closes a block whose other three edges are joined adds nothing: most of them, inside a surface.
 void Surfaces::join_edges(const ImageEdges& edges) {
   for (int r = 0; r < rows_; ++r) {
     const std::uint8_t* right = edges.right.row(r).data();
     const std::uint8_t* down = edges.down.row(r).data();
+    const std::uint8_t* right_below = edges.right.row(std::min(r + 1, rows_ - 1)).data();
     std::int32_t i = r * columns_;
+    bool joined_left = false;  // the pixel to the left is joined to this one, down, and below to the one below
     for (int c = 0; c < columns_; ++c, ++i) {
-      if (parent_[i] < 0) continue;
-      if ((right[c] & edge::kJoined) != 0 && parent_[i + 1] >= 0) unite(i, i + 1, -edge::wraps(right[c]));
-      if ((down[c] & edge::kJoined) != 0 && parent_[i + columns_] >= 0) unite(i, i + columns_, -edge::wraps(down[c]));
+      const bool here = parent_[i] >= 0;
+      const bool goes_right = here && (right[c] & edge::kJoined) != 0 && parent_[i + 1] >= 0;
+      const bool goes_down = here && (down[c] & edge::kJoined) != 0 && parent_[i + columns_] >= 0;
+      if (goes_right) unite(i, i + 1, -edge::wraps(right[c]));
+      if (goes_down && !joined_left) unite(i, i + columns_, -edge::wraps(down[c]));
+      joined_left = goes_right && goes_down && (right_below[c] & edge::kJoined) != 0 && parent_[i + columns_ + 1] >= 0;
     }
   }
 }
