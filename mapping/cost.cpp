@@ -9,7 +9,8 @@ namespace scree::mapping {
 
 namespace {
 
-// Height changes of rough ground are judged at two standard deviations.
+// A wheel or the belly meets the worst of many height changes: they are judged at two standard deviations. The track
+// spans one, and the slope already holds the ground's measured tilt: one deviation.
 constexpr double kDeviations = 2.0;
 
 double combined(const Hazards& h) {
@@ -25,12 +26,10 @@ Hazards hazards(const GroundShape& ground, const VehicleConfig& vehicle) {
   h.slope = static_cast<double>(ground.slope_rad) / std::min(vehicle.max_pitch_rad, vehicle.max_roll_rad);
   h.step = static_cast<double>(ground.step_m) / vehicle.max_step_m;
   if (!ground.roughness) return h;
-  const auto change_m = [&](double lag_m) {
-    return kDeviations * ground.roughness->amplitude_m * std::pow(lag_m, ground.roughness->hurst());
-  };
-  h.roughness = change_m(vehicle.wheel_radius_m) / vehicle.max_step_m;
-  h.roll = std::atan(change_m(vehicle.track_m) / vehicle.track_m) / vehicle.max_roll_rad;
-  h.clearance = change_m(0.5 * vehicle.wheelbase_m) / vehicle.clearance_m;
+  const fractal::FractalLaw& law = *ground.roughness;
+  h.roughness = kDeviations * law.rms_change_m(vehicle.wheel_radius_m) / vehicle.max_step_m;
+  h.roll = std::atan(law.rms_change_m(vehicle.track_m) / vehicle.track_m) / vehicle.max_roll_rad;
+  h.clearance = kDeviations * law.rms_change_m(0.5 * vehicle.wheelbase_m) / vehicle.clearance_m;
   return h;
 }
 

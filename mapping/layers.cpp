@@ -49,6 +49,24 @@ Layers::Layers(const MapConfig& config)
       states_(state_config(config)),
       shape_(shape_config(config)) {}
 
+// On a slope the places of a cell's few returns are noise of its height: slope² · cell² / 12 for one return.
+void Layers::estimate_roughness(Executor& executor) {
+  shape_.slopes(ground_.height_m, executor, measured_slope_rad_);
+  place_variance_m2_.assign(ground_.height_m.rows(), ground_.height_m.columns(), 0.0F);
+  const auto place_m2 = static_cast<float>(config_.cell_m * config_.cell_m / 12.0);
+  for_rows(executor, place_variance_m2_.rows(), [&](int begin, int end) {
+    for (int row = begin; row < end; ++row)
+      for (int column = 0; column < place_variance_m2_.columns(); ++column) {
+        if (ground_.measured(row, column) == 0) continue;
+        const float slope = measured_slope_rad_(row, column);
+        const float rise = std::isfinite(slope) ? std::tan(slope) : 0.0F;
+        place_variance_m2_(row, column) = ground_.noise_variance_m2(row, column) +
+                                          rise * rise * place_m2 / static_cast<float>(ground_.hits(row, column));
+      }
+  });
+  dimension_mapper_.update(ground_.height_m, place_variance_m2_, ground_.hits, executor, roughness_);
+}
+
 const fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, Executor& executor) {
   const auto seen = window_law_.estimate(roughness_, ground_.measured);
   if (seen) law_ = law_ ? follow(*law_, *seen) : *seen;
@@ -61,7 +79,7 @@ const fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, 
 void Layers::compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out) {
   const LatticeWindow& window = map.window();
   ground_.unroll(map, config_.cell_m, executor);
-  dimension_mapper_.update(ground_.height_m, ground_.noise_variance_m2, ground_.hits, executor, roughness_);
+  estimate_roughness(executor);
   const fractal::Reconstruction* filled = reconstruct(window, executor);
   states_.classify(ground_, filled, executor, out.state, out.elevation_m);
   shape_.update(out.elevation_m, ground_.noise_variance_m2, ground_.relief_m2, executor, out.slope_rad, out.step_m);
@@ -69,6 +87,7 @@ void Layers::compute(const RollingGrid<MapCell>& map, Executor& executor, MapSna
     grid->assign(window.rows, window.columns, kUnknown);
   out.cost.assign(window.rows, window.columns, kCostUnknown);
   out.hits.assign(window.rows, window.columns, 0);
+  out.dimension_flags.assign(window.rows, window.columns, fractal::kTooLittleData);
   for_rows(executor, window.rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) publish_row(row, out);
   });
@@ -86,6 +105,7 @@ void Layers::publish_row(int row, MapSnapshot& out) const {
       const float dimension = roughness_.dimension(row, column);
       const bool estimated =
           (roughness_.flags(row, column) & fractal::kTooLittleData) == 0 && std::isfinite(dimension + amplitude_m);
+      out.dimension_flags(row, column) = roughness_.flags(row, column);
       if (estimated) {
         out.dimension(row, column) = dimension;
         out.dimension_sigma(row, column) = roughness_.dimension_sigma(row, column);

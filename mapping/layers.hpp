@@ -26,11 +26,14 @@ class Layers {
   void compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out);
 
  private:
+  void estimate_roughness(Executor& executor);
   const fractal::Reconstruction* reconstruct(const LatticeWindow& window, Executor& executor);
   void publish_row(int row, MapSnapshot& out) const;
 
   MapConfig config_;
   GroundLayers ground_;
+  Grid<float> measured_slope_rad_;
+  Grid<float> place_variance_m2_;  ///< noise of a height plus that of its returns' places on the slope
   fractal::DimensionMapper dimension_mapper_;
   fractal::DimensionMap roughness_;
   WindowLaw window_law_;

@@ -28,9 +28,10 @@ struct MapSnapshot {
   Grid<CellState> state;
   Grid<float> elevation_m;        ///< measured: fused height; reconstructed: one posterior draw
   Grid<float> elevation_sigma_m;  ///< measured cells only, for now
-  Grid<float> dimension;          ///< D
+  Grid<float> dimension;          ///< D; NaN where there is too little data
   Grid<float> dimension_sigma;
-  Grid<float> amplitude_m;  ///< rms height change at 1 m; with D it gives every other lag
+  Grid<std::uint8_t> dimension_flags;  ///< bits of fractal::DimensionFlag
+  Grid<float> amplitude_m;             ///< rms height change at 1 m; with D it gives every other lag
   Grid<float> slope_rad;
   Grid<float> step_m;
   Grid<std::uint16_t> hits;

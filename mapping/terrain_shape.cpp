@@ -13,6 +13,7 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr float kCellsForPlane = 5.0F;
+constexpr float kFaceVariances = 12.0F;  // height² of an evenly sampled face over its variance
 constexpr float kNoiseVariances = 4.0F;  // a difference within two of its standard deviations is no step
 
 // best = max(best, (there − here)² − noise); comparisons with NaN keep what is there.
@@ -61,27 +62,27 @@ float steepness(const Moments& m) {
 
 }  // namespace
 
-void TerrainShape::pad(const Grid<float>& elevation_m, const Grid<float>& variance_m2, int margin) {
-  const int rows = elevation_m.rows() + 2 * margin;
-  const int columns = elevation_m.columns() + 2 * margin;
+int TerrainShape::step_reach_cells() const {
+  return std::max(static_cast<int>(config_.step_radius_m / config_.cell_m), 1);
+}
+
+void TerrainShape::pad(const Grid<float>& elevation_m, Executor& executor) {
+  margin_ = std::max(config_.slope_radius_cells, step_reach_cells());
+  const int rows = elevation_m.rows() + 2 * margin_;
+  const int columns = elevation_m.columns() + 2 * margin_;
   z_.assign(rows, columns, 0.0F);
-  variance_.assign(rows, columns, 0.0F);
   known_.assign(rows, columns, 0.0F);
-  reference_m_ = 0.0F;
-  for (const float z : elevation_m) {
-    if (!std::isfinite(z)) continue;
-    reference_m_ = z;  // the first known height: sums of small numbers keep their digits
-    break;
-  }
-  for (int row = 0; row < elevation_m.rows(); ++row) {
-    for (int column = 0; column < elevation_m.columns(); ++column) {
-      const float z = elevation_m(row, column);
-      if (!std::isfinite(z)) continue;
-      z_(row + margin, column + margin) = z - reference_m_;
-      variance_(row + margin, column + margin) = variance_m2(row, column);
-      known_(row + margin, column + margin) = 1.0F;
-    }
-  }
+  const auto first = std::find_if(elevation_m.begin(), elevation_m.end(), [](float z) { return std::isfinite(z); });
+  const float reference_m = first != elevation_m.end() ? *first : 0.0F;  // sums of small numbers keep their digits
+  for_rows(executor, elevation_m.rows(), [&](int begin, int end) {
+    for (int row = begin; row < end; ++row)
+      for (int column = 0; column < elevation_m.columns(); ++column) {
+        const float z = elevation_m(row, column);
+        if (!std::isfinite(z)) continue;
+        z_(row + margin_, column + margin_) = z - reference_m;
+        known_(row + margin_, column + margin_) = 1.0F;
+      }
+  });
 }
 
 void TerrainShape::sum_rows(int row, int columns) {
@@ -114,43 +115,59 @@ void TerrainShape::fit_row(const Grid<float>& elevation_m, int row, Grid<float>&
   }
 }
 
-void TerrainShape::update(const Grid<float>& elevation_m, const Grid<float>& variance_m2, const Grid<float>& relief_m2,
-                          Executor& executor, Grid<float>& slope_rad, Grid<float>& step_m) {
-  const int rows = elevation_m.rows();
+void TerrainShape::slopes(const Grid<float>& elevation_m, Executor& executor, Grid<float>& slope_rad) {
   const int columns = elevation_m.columns();
-  const double radius_cells = std::max(config_.step_radius_m / config_.cell_m, 1.0);
-  const int reach = static_cast<int>(radius_cells);
-  margin_ = std::max(config_.slope_radius_cells, reach);
-  pad(elevation_m, variance_m2, margin_);
-  slope_rad.assign(rows, columns, kUnknown);
-  step_m.assign(rows, columns, 0.0F);
+  pad(elevation_m, executor);
+  slope_rad.assign(elevation_m.rows(), columns, kUnknown);
   for (Grid<float>* grid : {&n_, &nx_, &nxx_, &z0_, &zx_})
     if (grid->rows() != z_.rows() || grid->columns() != columns) grid->assign(z_.rows(), columns, 0.0F);
   for_rows(executor, z_.rows(), [&](int begin, int end) {
     for (int row = begin; row < end; ++row) sum_rows(row, columns);
   });
-  for_rows(executor, z_.rows(), [&](int begin, int end) {  // unknown cells: 0 in the sums, NaN in the differences
+  for_rows(executor, elevation_m.rows(), [&](int begin, int end) {
+    for (int row = begin; row < end; ++row) fit_row(elevation_m, row, slope_rad);
+  });
+}
+
+void TerrainShape::step_row(const Grid<float>& relief_m2, int row, std::span<float> best) const {
+  const int reach = step_reach_cells();
+  const double radius_cells = std::max(config_.step_radius_m / config_.cell_m, 1.0);
+  const int columns = static_cast<int>(best.size());
+  const float* here = z_.row(row + margin_).data() + margin_;
+  const float* here_variance = variance_.row(row + margin_).data() + margin_;
+  for (int dy = -reach; dy <= reach; ++dy)
+    for (int dx = -reach; dx <= reach; ++dx)
+      if (dx * dx + dy * dy <= radius_cells * radius_cells)
+        raise_step(here, here_variance, z_.row(row + margin_ + dy).data() + margin_ + dx,
+                   variance_.row(row + margin_ + dy).data() + margin_ + dx, columns, best.data());
+  for (int column = 0; column < columns; ++column) {
+    float& step = best[static_cast<std::size_t>(column)];
+    const bool known = known_(row + margin_, column + margin_) != 0.0F;
+    step = known ? std::sqrt(std::max(step, kFaceVariances * relief_m2(row, column))) : kUnknown;
+  }
+}
+
+void TerrainShape::steps(const Grid<float>& elevation_m, const Grid<float>& variance_m2, const Grid<float>& relief_m2,
+                         Executor& executor, Grid<float>& step_m) {
+  variance_.assign(z_.rows(), z_.columns(), 0.0F);
+  step_m.assign(elevation_m.rows(), elevation_m.columns(), 0.0F);
+  for_rows(executor, z_.rows(), [&](int begin, int end) {  // unknown cells: 0 in sums so far, NaN in differences
     for (int row = begin; row < end; ++row)
       for (int column = 0; column < z_.columns(); ++column)
-        if (known_(row, column) == 0.0F) z_(row, column) = kUnknown;
+        if (known_(row, column) == 0.0F)
+          z_(row, column) = kUnknown;
+        else
+          variance_(row, column) = variance_m2(row - margin_, column - margin_);
   });
-  for_rows(executor, rows, [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) {
-      fit_row(elevation_m, row, slope_rad);
-      float* best = step_m.row(row).data();
-      const float* here = z_.row(row + margin_).data() + margin_;
-      const float* here_variance = variance_.row(row + margin_).data() + margin_;
-      for (int dy = -reach; dy <= reach; ++dy)
-        for (int dx = -reach; dx <= reach; ++dx)
-          if (dx * dx + dy * dy <= radius_cells * radius_cells)
-            raise_step(here, here_variance, z_.row(row + margin_ + dy).data() + margin_ + dx,
-                       variance_.row(row + margin_ + dy).data() + margin_ + dx, columns, best);
-      for (int column = 0; column < columns; ++column) {
-        const float square = std::max(best[column], 12.0F * relief_m2(row, column));
-        best[column] = std::isfinite(elevation_m(row, column)) ? std::sqrt(square) : kUnknown;
-      }
-    }
+  for_rows(executor, elevation_m.rows(), [&](int begin, int end) {
+    for (int row = begin; row < end; ++row) step_row(relief_m2, row, step_m.row(row));
   });
+}
+
+void TerrainShape::update(const Grid<float>& elevation_m, const Grid<float>& variance_m2, const Grid<float>& relief_m2,
+                          Executor& executor, Grid<float>& slope_rad, Grid<float>& step_m) {
+  slopes(elevation_m, executor, slope_rad);
+  steps(elevation_m, variance_m2, relief_m2, executor, step_m);
 }
 
 }  // namespace scree::mapping

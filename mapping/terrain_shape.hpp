@@ -1,6 +1,8 @@
 #pragma once
 // Slope at the scale of the vehicle's footprint, step at the scale of a wheel.
 
+#include <span>
+
 #include "core/executor.hpp"
 #include "core/grid.hpp"
 
@@ -17,6 +19,9 @@ class TerrainShape {
  public:
   explicit TerrainShape(const ShapeConfig& config) : config_(config) {}
 
+  /// slope_rad alone, as update() gives it.
+  void slopes(const Grid<float>& elevation_m, Executor& executor, Grid<float>& slope_rad);
+
   /// elevation_m: NaN = unknown; variance_m2: noise of each height (0 where reconstructed); relief_m2: variance of
   /// the returns inside a cell. Results are NaN where the elevation is.
   /// slope_rad: of the least-squares plane through the window's known heights; NaN too where fewer than 5 are known or
@@ -29,13 +34,16 @@ class TerrainShape {
               Executor& executor, Grid<float>& slope_rad, Grid<float>& step_m);
 
  private:
-  void pad(const Grid<float>& elevation_m, const Grid<float>& variance_m2, int margin);
+  int step_reach_cells() const;
+  void pad(const Grid<float>& elevation_m, Executor& executor);
+  void steps(const Grid<float>& elevation_m, const Grid<float>& variance_m2, const Grid<float>& relief_m2,
+             Executor& executor, Grid<float>& step_m);
+  void step_row(const Grid<float>& relief_m2, int row, std::span<float> best) const;
   void sum_rows(int row, int columns);
   void fit_row(const Grid<float>& elevation_m, int row, Grid<float>& slope_rad) const;
 
   ShapeConfig config_;
   int margin_ = 0;
-  float reference_m_ = 0.0F;            ///< heights are summed relative to it
   Grid<float> z_, variance_, known_;    ///< with a margin of unknown cells
   Grid<float> n_, nx_, nxx_, z0_, zx_;  ///< moments of a row of 2·radius+1 cells
 };
