@@ -8,8 +8,6 @@
 namespace scree::drivers {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
 Error no_surface(const std::string& name, const std::string& expected, const std::string& found) {
   return {ErrorKind::bad_data, fmt::format("{}: expected {}, found {}", name, expected, found)};
 }
@@ -32,14 +30,6 @@ Result<Terrain> Terrain::make(io::Raster raster, const std::string& name) {
   const Bounds& all = terrain.levels_.back()(0, 0);
   if (all.low > all.high) return no_surface(name, "four neighbouring heights somewhere", "holes everywhere");
   return terrain;
-}
-
-Terrain::Bounds Terrain::patch_bounds(int row, int column) const {
-  const auto& z = raster_.height_m;
-  if (row + 1 >= z.rows() || column + 1 >= z.columns()) return {kInfinity, -kInfinity, false};
-  const float a = z(row, column), b = z(row, column + 1), c = z(row + 1, column), d = z(row + 1, column + 1);
-  if (std::isnan(a + b + c + d)) return {kInfinity, -kInfinity, false};
-  return {std::min({a, b, c, d}), std::max({a, b, c, d}), true};
 }
 
 void Terrain::build_levels() {

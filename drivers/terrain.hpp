@@ -2,7 +2,10 @@
 // The ground of the simulated scanner: one exactly defined surface, and rays against it.
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -65,7 +68,15 @@ class Terrain {
   class Walk;
   Terrain() = default;
   void build_levels();
-  Bounds patch_bounds(int row, int column) const;
+  /// In the header for the sake of Walk: a tenth of the time of a ray.
+  Bounds patch_bounds(int row, int column) const {
+    const auto& z = raster_.height_m;
+    if (row + 1 >= z.rows() || column + 1 >= z.columns()) return {kInfinity, -kInfinity, false};
+    const float a = z(row, column), b = z(row, column + 1), c = z(row + 1, column), d = z(row + 1, column + 1);
+    if (std::isnan(a + b + c + d)) return {kInfinity, -kInfinity, false};
+    return {std::min(std::min(a, b), std::min(c, d)), std::max(std::max(a, b), std::max(c, d)), true};
+  }
+  static constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
   io::Raster raster_;
   std::vector<Grid<Bounds>> levels_;  ///< [k]: nodes of 2^(k+1) × 2^(k+1) patches, up to 1 × 1 nodes

@@ -18,7 +18,9 @@ class Terrain::Walk {
         z_m_(origin_m.z()),
         du_(direction.x() / terrain.raster_.cell_m),
         dv_(direction.y() / terrain.raster_.cell_y_m),
-        dz_m_(direction.z()) {}
+        dz_m_(direction.z()),
+        per_du_(1.0 / du_),
+        per_dv_(1.0 / dv_) {}
 
   TerrainHit run(double max_distance_m) {
     double enter = 0.0, leave = max_distance_m;
@@ -54,8 +56,7 @@ class Terrain::Walk {
   Bounds bounds(const Node& node) const {
     if (node.level == 0) return terrain_.patch_bounds(node.row, node.column);
     const auto& level = terrain_.levels_[static_cast<std::size_t>(node.level - 1)];
-    if (node.row >= level.rows() || node.column >= level.columns())
-      return {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(), false};
+    if (node.row >= level.rows() || node.column >= level.columns()) return {kInfinity, -kInfinity, false};
     return level(node.row, node.column);
   }
 
@@ -77,8 +78,8 @@ class Terrain::Walk {
     const double u_middle = (2.0 * node.column + 1.0) * half, v_middle = (2.0 * node.row + 1.0) * half;
     // The ray parameter of the change to the other half, or none.
     constexpr double kNever = std::numeric_limits<double>::infinity();
-    double u_cross = du_ == 0.0 ? kNever : (u_middle - u_) / du_;
-    double v_cross = dv_ == 0.0 ? kNever : (v_middle - v_) / dv_;
+    double u_cross = du_ == 0.0 ? kNever : (u_middle - u_) * per_du_;
+    double v_cross = dv_ == 0.0 ? kNever : (v_middle - v_) * per_dv_;
     int u_side = du_ == 0.0 ? (u_ >= u_middle) : ((node.enter < u_cross) == (du_ < 0.0));
     int v_side = dv_ == 0.0 ? (v_ >= v_middle) : ((node.enter < v_cross) == (dv_ < 0.0));
     if (u_cross <= node.enter) u_cross = kNever;
@@ -128,6 +129,7 @@ class Terrain::Walk {
   const Terrain& terrain_;
   double u_, v_, z_m_;
   double du_, dv_, dz_m_;
+  double per_du_, per_dv_;       ///< infinite where the ray does not move that way
   std::array<Node, 128> stack_;  // two more a level, at most 31 levels
   int depth_ = 0;
   bool done_ = false;
