@@ -5,7 +5,8 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <numbers>
-#include <unistd.h>
+
+#include "tests/drivers/simulator_support.hpp"
 
 namespace scree::drivers {
 namespace {
@@ -34,7 +35,7 @@ Time at(double seconds) {
 }
 
 std::string write_csv(const std::string& name, const std::string& text) {
-  const auto file = std::filesystem::path(testing::TempDir()) / ("scree_" + std::to_string(getpid()) + "_" + name);
+  const auto file = scratch(name);
   std::ofstream(file) << text;
   return file.string();
 }
