@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "config/faults.hpp"
-#include "config/yaml_tree.hpp"
+#include "config/yaml.hpp"
 
 namespace scree::config {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "config/yaml_tree.hpp"
+#include "config/yaml.hpp"
 #include "core/time.hpp"
 
 namespace scree::config {

@@ -1,6 +1,6 @@
 // The adapter of yaml-cpp: its types and exceptions stay in this file.
 
-#include "config/yaml_tree.hpp"
+#include "config/yaml.hpp"
 
 #include <cstddef>
 #include <exception>

@@ -1,0 +1,65 @@
+#include "node/commands/run_node.hpp"
+
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <spdlog/spdlog.h>
+#include <string>
+#include <utility>
+
+#include "config/loader.hpp"
+#include "node/protocol_header.hpp"
+#include "node/listen_report.hpp"
+#include "node/map_output.hpp"
+#include "node/run_loop.hpp"
+
+namespace scree::node {
+namespace {
+
+Status write_outputs(const OutputOptions& options, const std::optional<MapOutput>& map_output, const Outcome& outcome,
+                     const std::string& source) {
+  const std::string json = to_json(outcome.statistics);
+  if (outcome.map != nullptr && map_output) {
+    if (auto written = map_output->write(*outcome.map, json); !written) return written;
+  }
+  if (outcome.map != nullptr && options.snapshot) {
+    if (auto written = write_snapshot_picture(*options.snapshot, *outcome.map, source); !written) return written;
+    spdlog::info("picture: {}", *options.snapshot);
+  }
+  if (options.json) std::printf("%s\n", json.c_str());
+  return {};
+}
+
+}  // namespace
+
+Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<drivers::Source>>()>& open) {
+  std::optional<MapOutput> map_output;
+  if (run.output.map_out) {
+    auto prepared = MapOutput::prepare(*run.output.map_out);
+    if (!prepared) return prepared.error();
+    map_output = *std::move(prepared);
+  }
+  if (run.output.snapshot) {
+    if (const auto possible = check_picture_path(*run.output.snapshot); !possible) return possible.error();
+  }
+  auto source = open();
+  if (!source) return source.error();
+
+  const config::Settings& settings = run.pipeline.settings;
+  const std::uint32_t hash = protocol::config_hash(config::dump_settings(settings));
+  auto publisher = Publisher::open(settings.publish, run.origin, settings.map.cell_m, hash);
+  if (!publisher) return publisher.error();
+  std::unique_ptr<PoseProvider> poses;
+  if (settings.pose.source == config::PoseSource::fixed) poses = std::make_unique<StaticPose>(settings.pose.T_map_body);
+
+  const std::string name = (*source)->name();
+  spdlog::info("{} → {} as {}, configuration {:08x}", name, settings.publish.destination, origin_name(run.origin),
+               hash);
+  auto outcome = run_to_end(std::move(run.pipeline), *std::move(source), std::move(poses), *std::move(publisher));
+  if (!outcome) return outcome.error();
+  const std::string caption = std::string(origin_name(run.origin)) + "   " + name;
+  if (auto written = write_outputs(run.output, map_output, *outcome, caption); !written) return written.error();
+  return 0;
+}
+
+}  // namespace scree::node

@@ -1,0 +1,38 @@
+#pragma once
+// `--map-out BASE.EXT` and `--snapshot FILE.png`: the last map as files.
+
+#include <filesystem>
+#include <string>
+
+#include "core/result.hpp"
+#include "mapping/snapshot.hpp"
+#include "node/statistics.hpp"
+
+namespace scree::node {
+
+/// Where a map is written to, checked before the long work starts.
+class MapOutput {
+ public:
+  /// `path` = BASE.EXT with EXT tif, npy or png. Makes sure that a file can be created there. Errors: usage (another
+  /// extension, or one that this build cannot write), cannot_create.
+  static Result<MapOutput> prepare(const std::filesystem::path& path);
+
+  /// BASE.cost.EXT, BASE.elevation.EXT, … (lower case layer names; NaN = unknown) and BASE.json: cell_m, x_min_m,
+  /// y_min_m, rows, columns and `statistics_json`'s members.
+  Status write(const mapping::MapSnapshot& map, const std::string& statistics_json) const;
+
+ private:
+  std::filesystem::path base_;
+  std::string extension_;
+};
+
+/// Makes sure that `path` can be created, without leaving anything behind. Errors: cannot_create.
+Status check_creatable(const std::filesystem::path& path);
+
+/// The picture of a map: elevation, D and cost side by side. `source` says where it comes from ("REPLAY", a path).
+Status write_snapshot_picture(const std::filesystem::path& path, const mapping::MapSnapshot& map,
+                              const std::string& source);
+/// Errors: usage (not .png, or a build without pictures), cannot_create.
+Status check_picture_path(const std::filesystem::path& path);
+
+}  // namespace scree::node

@@ -1,0 +1,85 @@
+#include "node/node_source.hpp"
+
+#include <filesystem>
+#include <fmt/format.h>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "config/loader.hpp"
+#include "config/recording_file.hpp"
+#include "drivers/simulator.hpp"
+
+namespace scree::node {
+namespace {
+
+using OpenedSource = Result<std::unique_ptr<drivers::Source>>;
+
+OpenedSource open_directory(const std::filesystem::path& directory, const drivers::ReplayWindow& window,
+                            const config::Settings& settings) {
+  auto description = config::read_recording(directory);
+  if (!description) return description.error();
+  auto sensor = config::effective_sensor(settings, description->sensor);
+  if (!sensor) return sensor.error();
+  description->sensor = *std::move(sensor);
+  return drivers::open_recording(directory, *std::move(description), window);
+}
+
+/// A file's own default sensor is the driver's business, so single keys have nothing to override here.
+OpenedSource open_file(const std::filesystem::path& file, const config::Settings& settings) {
+  if (!settings.sensor) return drivers::open_range_file(file, std::nullopt);
+  if (!settings.has_whole_sensor())
+    return Error{
+        ErrorKind::bad_config,
+        fmt::format("{}: expected a whole sensor (sensor.projection) for a single range file, found sensor.{} alone",
+                    file.string(), settings.sensor_given.front())};
+  return drivers::open_range_file(file, settings.sensor);
+}
+
+/// Formats of clouds that say nothing of their sensor.
+Result<SensorConfig> cloud_sensor(const config::Settings& settings) {
+  SensorConfig sensor;
+  sensor.projection.kind = ProjectionKind::cloud;
+  return config::effective_sensor(settings, sensor);
+}
+
+}  // namespace
+
+OpenedSource open_input(const std::string& path, const std::string& format, const drivers::ReplayWindow& window,
+                        const config::Settings& settings) {
+  std::error_code status;
+  if (!std::filesystem::exists(path, status))
+    return Error{ErrorKind::no_input, fmt::format("{}: expected a recording, found no such file or directory", path)};
+  const bool is_directory = std::filesystem::is_directory(path, status);
+  if (format == "auto") return is_directory ? open_directory(path, window, settings) : open_file(path, settings);
+  if (!is_directory)
+    return Error{ErrorKind::bad_data,
+                 fmt::format("{}: expected a directory in the format {}, found a file", path, format)};
+  const auto sensor = cloud_sensor(settings);
+  if (!sensor) return sensor.error();
+  return format == "kitti" ? drivers::open_kitti(path, *sensor, window)
+                           : drivers::open_pcd_directory(path, *sensor, window);
+}
+
+OpenedSource open_live(const config::Settings& settings) {
+  const auto& source = settings.source;
+  switch (source.kind) {
+    case config::SourceKind::recording:
+      return open_input(source.path, "auto", {}, settings);
+    case config::SourceKind::simulated: {
+      drivers::SimulatorConfig simulator;
+      simulator.terrain = source.terrain;
+      simulator.sensor = source.sensor;
+      simulator.trajectory = source.trajectory;
+      simulator.noise = source.noise;
+      simulator.seed = source.seed;
+      return drivers::simulated_source(simulator, true);
+    }
+    case config::SourceKind::none:
+      break;
+  }
+  return Error{ErrorKind::bad_config,
+               "configuration: source.kind: expected recording or simulated for `scree run`, found none"};
+}
+
+}  // namespace scree::node

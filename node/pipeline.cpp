@@ -1,0 +1,257 @@
+#include "node/pipeline.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <utility>
+
+#include "node/protocol_header.hpp"
+
+namespace scree::node {
+namespace {
+
+constexpr std::chrono::milliseconds kSourceTimeout{100};
+constexpr std::uint64_t kSkippedShown = 10;
+
+std::uint32_t to_us(Duration duration) {
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(duration.count() / 1000, 0, UINT32_MAX));
+}
+
+}  // namespace
+
+Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<PoseProvider> poses,
+                   std::unique_ptr<Publisher> publisher)
+    : config_(std::move(config)),
+      source_(std::move(source)),
+      pacer_(config_.rate),
+      queue_(config_.policy, config_.policy == QueuePolicy::newest_wins
+                                 ? 1
+                                 : static_cast<std::size_t>(config_.settings.node.queue_frames)),
+      pool_(config_.settings.node.threads),
+      poses_(std::move(poses)),
+      mapper_(config_.settings.map, pool_),
+      publisher_(std::move(publisher)) {
+  for (int i = 1; i < pool_.threads(); ++i)
+    workers_.emplace_back([this](const std::stop_token& stop) { pool_.work(stop); });
+  publish_thread_ = std::jthread([this](const std::stop_token& stop) { publish(stop); });
+  map_thread_ = std::jthread([this] { map_frames(stop_.get_token()); });
+  acquire_thread_ = std::jthread([this] { acquire(stop_.get_token()); });
+}
+
+Pipeline::~Pipeline() {
+  request_stop();  // acquire and map; publish then ends by itself, and the workers' jthreads stop them
+}
+
+void Pipeline::request_stop() {
+  stop_.request_stop();
+}
+
+bool Pipeline::wait_finished(std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, timeout, [this] { return finished_; });
+}
+
+// ---- acquire ----
+
+void Pipeline::acquire(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const auto more = acquire_event(stop);
+    if (!more) fail(more.error());
+    if (!more || !*more) break;
+  }
+  queue_.close();
+  const std::lock_guard lock(mutex_);
+  source_ended_ = true;
+}
+
+Result<bool> Pipeline::acquire_event(const std::stop_token& stop) {
+  auto event = source_->next(kSourceTimeout);
+  if (!event) return event.error();
+  switch (event->kind) {
+    case drivers::SourceEvent::Kind::timeout:
+      return true;
+    case drivers::SourceEvent::Kind::skipped:
+      count_skipped(event->message);
+      return true;
+    case drivers::SourceEvent::Kind::frame:
+      return deliver(std::move(event->frame), stop);
+    case drivers::SourceEvent::Kind::end_of_stream:
+      return restart_source();
+  }
+  return false;
+}
+
+bool Pipeline::deliver(std::shared_ptr<const RangeFrame> frame, const std::stop_token& stop) {
+  if (!pacer_.wait(frame->time, stop)) return false;
+  if (pacer_.paced()) {  // it is "received" when it is released, not when it was read from the file
+    auto released = std::make_shared<RangeFrame>(*frame);
+    released->received = MonotonicClock::now();
+    frame = std::move(released);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    ++statistics_.frames_in;
+    last_frame_ = MonotonicClock::now();
+  }
+  ++frames_since_restart_;
+  return queue_.push(std::move(frame), stop);
+}
+
+/// An empty stream is not begun again: it would never end.
+Result<bool> Pipeline::restart_source() {
+  if (!config_.reopen || frames_since_restart_ == 0) return false;
+  auto source = config_.reopen();
+  if (!source) return source.error();
+  source_ = *std::move(source);
+  pacer_.restart();
+  frames_since_restart_ = 0;
+  return true;
+}
+
+// ---- map ----
+
+void Pipeline::map_frames(const std::stop_token& stop) {
+  while (const auto frame = queue_.pop(stop)) {
+    const MonotonicTime taken = config_.policy == QueuePolicy::newest_wins ? frame->received : MonotonicClock::now();
+    if (poses_ == nullptr) {
+      map_frame(*frame, taken, stop);
+    } else {
+      posed_ = *frame;
+      map_frame(posed_, taken, stop);
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  map_ended_ = true;
+  changed_.notify_all();
+}
+
+void Pipeline::map_frame(const RangeFrame& frame, MonotonicTime taken, const std::stop_token& stop) {
+  if (poses_ != nullptr) {
+    const bool fresh = poses_->provide(posed_, stop);
+    const std::lock_guard lock(mutex_);
+    pose_stale_ = !fresh;
+    if (!fresh) {
+      ++statistics_.frames_pose_stale;
+      return;
+    }
+  }
+  const auto report = mapper_.step(frame);
+  if (!report) {
+    if (report.error().kind == ErrorKind::bad_data) return count_skipped(report.error().message);
+    fail(report.error());
+    return request_stop();
+  }
+  auto snapshot = mapper_.snapshot();
+  const auto measured = snapshot != nullptr ? snapshot->measured_cells() : 0;
+  const std::lock_guard lock(mutex_);
+  ++statistics_.frames_mapped;
+  statistics_.pixels += report->counts;
+  statistics_.points_fused += report->points_fused;
+  statistics_.points_outside += report->points_outside;
+  statistics_.points_outlier += report->points_outlier;
+  statistics_.cells_measured = measured;
+  latency_.add(MonotonicClock::now() - taken);
+  map_ = std::move(snapshot);
+  changed_.notify_all();
+}
+
+// ---- publish ----
+
+void Pipeline::publish(const std::stop_token& stop) {
+  std::shared_ptr<const mapping::MapSnapshot> sent;
+  for (;;) {
+    const auto now = MonotonicClock::now();
+    const Duration next = publisher_->tick(now, status(now));
+    std::unique_lock lock(mutex_);
+    const auto& counters = publisher_->counters();
+    statistics_.datagrams = counters.datagrams;
+    statistics_.bytes = counters.bytes;
+    statistics_.send_errors = counters.send_errors;
+    changed_.wait_until(lock, stop, now + next, [&] { return map_ended_ || map_ != sent; });
+    if (map_ != sent) {
+      sent = map_;
+      lock.unlock();
+      publisher_->submit(sent);
+      lock.lock();
+    }
+    if ((map_ended_ && map_ == sent) || stop.stop_requested()) break;
+  }
+  if (const auto ended = publisher_->finish(status(MonotonicClock::now())); !ended) fail(ended.error());
+  const std::lock_guard lock(mutex_);
+  const auto& counters = publisher_->counters();
+  statistics_.datagrams = counters.datagrams;
+  statistics_.bytes = counters.bytes;
+  statistics_.send_errors = counters.send_errors;
+  finished_ = true;
+  changed_.notify_all();
+}
+
+NodeStatus Pipeline::status(MonotonicTime now) {
+  const auto dropped = queue_.dropped();
+  const std::lock_guard lock(mutex_);
+  const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(now - last_frame_);
+  if (now - last_look_ >= std::chrono::seconds(1)) {
+    overloaded_ = dropped > dropped_at_last_look_;
+    dropped_at_last_look_ = dropped;
+    last_look_ = now;
+  }
+  NodeStatus status;
+  status.frames_in = statistics_.frames_in;
+  status.frames_dropped = dropped;
+  status.latency_p50_us = to_us(latency_.percentile(0.5));
+  status.latency_p99_us = to_us(latency_.percentile(0.99));
+  status.latency_max_us = to_us(latency_.max());
+  status.sensor_age_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(age.count(), 0, UINT32_MAX));
+  const bool live = config_.policy == QueuePolicy::newest_wins;
+  const auto& node = config_.settings.node;
+  using namespace protocol;  // the health bits
+  unsigned health = 0;
+  if (pose_stale_) health |= kHealthPoseStale;
+  if (overloaded_) health |= kHealthOverload;
+  if (live && age.count() > node.sensor_stale_ms) health |= kHealthSensorStale;
+  if (live && (source_ended_ || age.count() > node.sensor_lost_ms)) health |= kHealthSensorLost;
+  status.health = static_cast<std::uint16_t>(health);
+  return status;
+}
+
+// ---- shared ----
+
+void Pipeline::count_skipped(const std::string& message) {
+  std::uint64_t skipped = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    skipped = ++statistics_.frames_skipped;
+  }
+  if (skipped <= kSkippedShown) spdlog::warn("frame skipped: {}", message);
+  if (skipped == kSkippedShown) spdlog::warn("further skipped frames are only counted");
+}
+
+void Pipeline::fail(Error error) {
+  const std::lock_guard lock(mutex_);
+  if (!error_) error_ = std::move(error);
+}
+
+Statistics Pipeline::statistics() const {
+  const auto dropped = queue_.dropped();
+  const std::lock_guard lock(mutex_);
+  Statistics statistics = statistics_;
+  statistics.frames_dropped = dropped;
+  statistics.latency_p50 = latency_.percentile(0.5);
+  statistics.latency_p99 = latency_.percentile(0.99);
+  statistics.latency_max = latency_.max();
+  statistics.elapsed = MonotonicClock::now() - start_;
+  return statistics;
+}
+
+std::shared_ptr<const mapping::MapSnapshot> Pipeline::map() const {
+  const std::lock_guard lock(mutex_);
+  return map_;
+}
+
+std::optional<Error> Pipeline::error() const {
+  const std::lock_guard lock(mutex_);
+  return error_;
+}
+
+}  // namespace scree::node

@@ -1,0 +1,61 @@
+#include "node/statistics.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace scree::node {
+namespace {
+
+double to_ms(Duration duration) {
+  return static_cast<double>(duration.count()) * 1e-6;
+}
+
+nlohmann::ordered_json pixel_json(const PixelCounts& pixels) {
+  return {{"pixels", pixels.pixels},
+          {"points", pixels.points},
+          {"no_return", pixels.no_return},
+          {"untrusted_row", pixels.untrusted_row},
+          {"out_of_limits", pixels.out_of_limits},
+          {"self", pixels.self},
+          {"speckle", pixels.speckle},
+          {"mixed", pixels.mixed},
+          {"ambiguous", pixels.ambiguous},
+          {"assumed_first_interval", pixels.assumed_first_interval},
+          {"wrapped", pixels.wrapped}};
+}
+
+}  // namespace
+
+std::string to_line(const Statistics& s) {
+  return fmt::format(
+      "frames {} mapped {} dropped {} skipped {} pose-stale {} · map p50 {:.1f} p99 {:.1f} ms · "
+      "cells {} · datagrams {}",
+      s.frames_in, s.frames_mapped, s.frames_dropped, s.frames_skipped, s.frames_pose_stale, to_ms(s.latency_p50),
+      to_ms(s.latency_p99), s.cells_measured, s.datagrams);
+}
+
+std::string to_json(const Statistics& s) {
+  const nlohmann::ordered_json json{
+      {"frames_in", s.frames_in},
+      {"frames_dropped", s.frames_dropped},
+      {"frames_skipped", s.frames_skipped},
+      {"frames_pose_stale", s.frames_pose_stale},
+      {"frames_mapped", s.frames_mapped},
+      {"points", s.pixels.points},
+      {"points_fused", s.points_fused},
+      {"points_outside", s.points_outside},
+      {"points_outlier", s.points_outlier},
+      {"cells_measured", s.cells_measured},
+      {"latency_ms", {{"p50", to_ms(s.latency_p50)}, {"p99", to_ms(s.latency_p99)}, {"max", to_ms(s.latency_max)}}},
+      {"datagrams", s.datagrams},
+      {"bytes", s.bytes},
+      {"send_errors", s.send_errors},
+      {"lost", 0},
+      {"rejected", s.rejected},
+      {"elapsed_s", to_seconds(s.elapsed)},
+      {"frames_per_s", s.elapsed.count() > 0 ? static_cast<double>(s.frames_mapped) / to_seconds(s.elapsed) : 0.0},
+      {"pixels", pixel_json(s.pixels)}};
+  return json.dump(2);
+}
+
+}  // namespace scree::node

@@ -1,0 +1,39 @@
+#pragma once
+// What the node counted, as a line for the log and as JSON.
+
+#include <cstdint>
+#include <string>
+
+#include "core/time.hpp"
+#include "drivers/frame/point_frame.hpp"
+
+namespace scree::node {
+
+struct Statistics {
+  std::uint64_t frames_in = 0;          ///< good frames that the source delivered
+  std::uint64_t frames_skipped = 0;     ///< bad ones, which it could not read or which contradict their geometry
+  std::uint64_t frames_dropped = 0;     ///< live: superseded by a newer one before they were mapped
+  std::uint64_t frames_pose_stale = 0;  ///< no fresh pose: not integrated
+  std::uint64_t frames_mapped = 0;
+  PixelCounts pixels;  ///< of the frames mapped
+  std::uint64_t points_fused = 0;
+  std::uint64_t points_outside = 0;
+  std::uint64_t points_outlier = 0;
+  std::uint64_t cells_measured = 0;  ///< in the last map
+  Duration latency_p50{0};           ///< frame in to map out; replay: from the moment the map stage takes the frame
+  Duration latency_p99{0};
+  Duration latency_max{0};
+  std::uint64_t datagrams = 0;
+  std::uint64_t bytes = 0;
+  std::uint64_t send_errors = 0;
+  std::uint64_t rejected = 0;  ///< datagrams received that failed a check
+  Duration elapsed{0};         ///< wall clock
+};
+
+/// "frames 120 dropped 0 skipped 0 · map p50 3.1 p99 4.0 ms · cells 8123 · datagrams 4711"
+std::string to_line(const Statistics& statistics);
+
+/// One JSON object; `lost` is 0: a sender loses nothing.
+std::string to_json(const Statistics& statistics);
+
+}  // namespace scree::node
