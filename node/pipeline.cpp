@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "node/protocol_header.hpp"
+#include "node/udp_poses.hpp"
 
 namespace scree::node {
 namespace {
@@ -18,9 +19,22 @@ std::uint32_t to_us(Duration duration) {
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(duration.count() / 1000, 0, UINT32_MAX));
 }
 
+std::unique_ptr<PoseProvider> make_poses(const PipelineConfig& config, PoseInput& input) {
+  const auto& pose = config.settings.pose;
+  switch (pose.source) {
+    case config::PoseSource::recording:
+      return nullptr;
+    case config::PoseSource::fixed:
+      return std::make_unique<StaticPose>(pose.T_map_body);
+    case config::PoseSource::udp:
+      return std::make_unique<UdpPoses>(input, std::chrono::milliseconds(pose.max_age_ms), config.rate.has_value());
+  }
+  return nullptr;
+}
+
 }  // namespace
 
-Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<PoseProvider> poses,
+Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<PoseInput> input,
                    std::unique_ptr<Publisher> publisher)
     : config_(std::move(config)),
       source_(std::move(source)),
@@ -29,7 +43,8 @@ Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> sourc
                                  ? 1
                                  : static_cast<std::size_t>(config_.settings.node.queue_frames)),
       pool_(config_.settings.node.threads),
-      poses_(std::move(poses)),
+      input_(std::move(input)),
+      poses_(make_poses(config_, *input_)),
       mapper_(config_.settings.map, pool_),
       publisher_(std::move(publisher)) {
   for (int i = 1; i < pool_.threads(); ++i)
@@ -129,6 +144,7 @@ void Pipeline::map_frames(const std::stop_token& stop) {
 void Pipeline::map_frame(const RangeFrame& frame, MonotonicTime taken, const std::stop_token& stop) {
   if (poses_ != nullptr) {
     const bool fresh = poses_->provide(posed_, stop);
+    if (poses_come_by_udp()) count_rejected();
     const std::lock_guard lock(mutex_);
     pose_stale_ = !fresh;
     if (!fresh) {
@@ -163,11 +179,13 @@ void Pipeline::publish(const std::stop_token& stop) {
   for (;;) {
     const auto now = MonotonicClock::now();
     const Duration next = publisher_->tick(now, status(now));
+    if (!poses_come_by_udp()) {  // nobody wants what comes in, but it is counted
+      const auto polled = input_->poll(std::chrono::milliseconds(0));
+      if (!polled) fail(polled.error());
+      count_rejected();
+    }
+    copy_publisher_counters();
     std::unique_lock lock(mutex_);
-    const auto& counters = publisher_->counters();
-    statistics_.datagrams = counters.datagrams;
-    statistics_.bytes = counters.bytes;
-    statistics_.send_errors = counters.send_errors;
     changed_.wait_until(lock, stop, now + next, [&] { return map_ended_ || map_ != sent; });
     if (map_ != sent) {
       sent = map_;
@@ -177,14 +195,26 @@ void Pipeline::publish(const std::stop_token& stop) {
     }
     if ((map_ended_ && map_ == sent) || stop.stop_requested()) break;
   }
-  if (const auto ended = publisher_->finish(status(MonotonicClock::now())); !ended) fail(ended.error());
+  const auto reason = stop_.stop_requested() ? protocol::ByeReason::stopped : protocol::ByeReason::finished;
+  if (const auto ended = publisher_->finish(status(MonotonicClock::now()), reason); !ended) fail(ended.error());
+  copy_publisher_counters();
   const std::lock_guard lock(mutex_);
+  finished_ = true;
+  changed_.notify_all();
+}
+
+void Pipeline::count_rejected() {
+  const auto rejected = input_->counters().rejected;
+  const std::lock_guard lock(mutex_);
+  statistics_.rejected = rejected;
+}
+
+void Pipeline::copy_publisher_counters() {
   const auto& counters = publisher_->counters();
+  const std::lock_guard lock(mutex_);
   statistics_.datagrams = counters.datagrams;
   statistics_.bytes = counters.bytes;
   statistics_.send_errors = counters.send_errors;
-  finished_ = true;
-  changed_.notify_all();
 }
 
 NodeStatus Pipeline::status(MonotonicTime now) {

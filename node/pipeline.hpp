@@ -19,6 +19,7 @@
 #include "node/frame_queue.hpp"
 #include "node/latency.hpp"
 #include "node/pacer.hpp"
+#include "node/pose_input.hpp"
 #include "node/pose_provider.hpp"
 #include "node/publisher.hpp"
 #include "node/statistics.hpp"
@@ -38,8 +39,8 @@ struct PipelineConfig {
 /// Lossless, the same frames give the same map at any rate and with any number of threads.
 class Pipeline {
  public:
-  /// `poses`: replaces the poses of the frames; null = keep them. Starts the threads.
-  Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<PoseProvider> poses,
+  /// Starts the threads.
+  Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<PoseInput> input,
            std::unique_ptr<Publisher> publisher);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
@@ -65,6 +66,9 @@ class Pipeline {
   void map_frames(const std::stop_token& stop);
   void map_frame(const RangeFrame& frame, MonotonicTime taken, const std::stop_token& stop);
   void publish(const std::stop_token& stop);
+  bool poses_come_by_udp() const { return config_.settings.pose.source == config::PoseSource::udp; }
+  void count_rejected();
+  void copy_publisher_counters();
   NodeStatus status(MonotonicTime now);
   void count_skipped(const std::string& message);
   void fail(Error error);
@@ -76,7 +80,8 @@ class Pipeline {
   std::uint64_t frames_since_restart_ = 0;
   FrameQueue queue_;
   WorkerPool pool_;
-  std::unique_ptr<PoseProvider> poses_;  ///< map thread
+  std::unique_ptr<PoseInput> input_;     ///< map thread with pose.source udp, else publish thread
+  std::unique_ptr<PoseProvider> poses_;  ///< map thread; null = the frames' own
   mapping::Mapper mapper_;
   RangeFrame posed_;                      ///< a frame with its poses replaced, kept for its allocation
   std::unique_ptr<Publisher> publisher_;  ///< publish thread

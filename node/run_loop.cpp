@@ -11,13 +11,13 @@
 namespace scree::node {
 
 Result<Outcome> run_to_end(PipelineConfig config, std::unique_ptr<drivers::Source> source,
-                           std::unique_ptr<PoseProvider> poses, std::unique_ptr<Publisher> publisher) {
+                           std::unique_ptr<PoseInput> input, std::unique_ptr<Publisher> publisher) {
   using std::chrono::milliseconds;
   SignalWatch signals;
   const std::string name = source->name();
   const auto frames = config.reopen ? std::nullopt : source->frame_count();
   Progress progress("mapping", frames.value_or(0));
-  Pipeline pipeline(std::move(config), std::move(source), std::move(poses), std::move(publisher));
+  Pipeline pipeline(std::move(config), std::move(source), std::move(input), std::move(publisher));
   Outcome outcome;
   auto next_line = MonotonicClock::now() + std::chrono::seconds(1);
   while (!pipeline.wait_finished(milliseconds(20))) {

@@ -19,6 +19,6 @@ struct Outcome {
 /// Runs until the source ends or a signal comes. Errors: what ended the source early; bad_data when it ended without
 /// one frame that could be mapped.
 Result<Outcome> run_to_end(PipelineConfig config, std::unique_ptr<drivers::Source> source,
-                           std::unique_ptr<PoseProvider> poses, std::unique_ptr<Publisher> publisher);
+                           std::unique_ptr<PoseInput> input, std::unique_ptr<Publisher> publisher);
 
 }  // namespace scree::node

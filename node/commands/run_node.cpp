@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "config/loader.hpp"
-#include "node/protocol_header.hpp"
 #include "node/listen_report.hpp"
 #include "node/map_output.hpp"
+#include "node/protocol_header.hpp"
 #include "node/run_loop.hpp"
 
 namespace scree::node {
@@ -42,6 +42,9 @@ Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<dri
   if (run.output.snapshot) {
     if (const auto possible = check_picture_path(*run.output.snapshot); !possible) return possible.error();
   }
+  if (run.pipeline.settings.pose.source == config::PoseSource::udp && run.pipeline.policy == QueuePolicy::lossless &&
+      !run.pipeline.rate)
+    return Error{ErrorKind::usage, "--rate max: expected a pace with pose.source udp, whose poses come in real time"};
   auto source = open();
   if (!source) return source.error();
 
@@ -49,13 +52,15 @@ Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<dri
   const std::uint32_t hash = protocol::config_hash(config::dump_settings(settings));
   auto publisher = Publisher::open(settings.publish, run.origin, settings.map.cell_m, hash);
   if (!publisher) return publisher.error();
-  std::unique_ptr<PoseProvider> poses;
-  if (settings.pose.source == config::PoseSource::fixed) poses = std::make_unique<StaticPose>(settings.pose.T_map_body);
+  auto input = PoseInput::open(settings.publish.listen, settings.pose.accept_from, settings.publish.stream_id);
+  if (!input) return input.error();
+  const std::string listen_address = settings.publish.listen.substr(0, settings.publish.listen.find(':'));
+  spdlog::info("listening at {}:{}", listen_address, (*input)->port());
 
   const std::string name = (*source)->name();
   spdlog::info("{} → {} as {}, configuration {:08x}", name, settings.publish.destination, origin_name(run.origin),
                hash);
-  auto outcome = run_to_end(std::move(run.pipeline), *std::move(source), std::move(poses), *std::move(publisher));
+  auto outcome = run_to_end(std::move(run.pipeline), *std::move(source), *std::move(input), *std::move(publisher));
   if (!outcome) return outcome.error();
   const std::string caption = std::string(origin_name(run.origin)) + "   " + name;
   if (auto written = write_outputs(run.output, map_output, *outcome, caption); !written) return written.error();
