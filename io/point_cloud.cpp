@@ -1,54 +1,24 @@
-// The only file that sees PCL.
+// The only file that sees PCL; what it is used for is in point_pcl.hpp, the other formats in point_files.cpp.
 
 #include "io/point_cloud.hpp"
 
-#include <bit>
-#include <cmath>
-#include <cstring>
 #include <fmt/format.h>
 
-#include "io/file_bytes.hpp"
-#include "io/point_collector.hpp"
-#include "io/point_header.hpp"
+#include "io/point_pcl.hpp"
 
 #ifdef SCREE_WITH_PCL
-#include <fstream>
+#include <cstring>
 #include <optional>
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/PCLPointField.h>
 #include <pcl/console/print.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
-#endif
+
+#include "io/point_collector.hpp"
 
 namespace scree::io {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, ".bin files are read into memory as they are");
-
-Result<PointCloud> read_bin(const std::filesystem::path& file) {
-  std::vector<std::uint8_t> bytes;
-  if (const auto read = read_bytes(file, kPointFileMaxBytes, bytes); !read) return read.error();
-  PointCloud cloud;
-  if (const auto parsed = parse_bin_points(bytes, file.string(), cloud.points); !parsed) return parsed.error();
-  cloud.dropped_non_finite =
-      std::erase_if(cloud.points, [](const Eigen::Vector4f& p) { return !p.head<3>().allFinite(); });
-  if (cloud.points.empty())
-    return Error{ErrorKind::bad_data,
-                 fmt::format("{}: expected at least one finite point, found {} points, none finite", file.string(),
-                             cloud.dropped_non_finite)};
-  for (Eigen::Vector4f& p : cloud.points)
-    if (!std::isfinite(p[3])) p[3] = 0.0f;
-  return cloud;
-}
-
-Result<PointCloud> read_text(const std::filesystem::path& file) {
-  std::vector<std::uint8_t> bytes;
-  if (const auto read = read_bytes(file, kPointFileMaxBytes, bytes); !read) return read.error();
-  return parse_point_text(as_text(bytes), file.string());
-}
-
-#ifdef SCREE_WITH_PCL
 
 double number_at(const std::uint8_t* bytes, std::uint8_t datatype) {
   const auto load = [bytes]<class T>(T value) {
@@ -127,76 +97,100 @@ Result<PointCloud> to_cloud(const pcl::PCLPointCloud2& blob, const std::string& 
   return std::move(points).finish(name);
 }
 
-/// PCL reads the file a second time, by its name: it has no reader from memory for both formats.
-template <class Reader>
-Result<PointCloud> read_with_pcl(const std::filesystem::path& file, const char* format) {
+std::uint8_t datatype_of(char type, std::uint64_t size) {
+  switch (size) {
+    case 1:
+      return type == 'I' ? pcl::PCLPointField::INT8 : pcl::PCLPointField::UINT8;
+    case 2:
+      return type == 'I' ? pcl::PCLPointField::INT16 : pcl::PCLPointField::UINT16;
+    case 4:
+      if (type == 'F') return pcl::PCLPointField::FLOAT32;
+      return type == 'I' ? pcl::PCLPointField::INT32 : pcl::PCLPointField::UINT32;
+    default:
+      return type == 'F' ? pcl::PCLPointField::FLOAT64 : 0;  // 8-byte integers are no coordinates
+  }
+}
+
+/// An empty cloud of the header's layout, for PCL to fill.
+pcl::PCLPointCloud2 blob_of(const PcdHeader& header) {
+  pcl::PCLPointCloud2 blob;
+  std::uint64_t offset = 0;
+  for (std::size_t i = 0; i < header.fields.size(); ++i) {
+    pcl::PCLPointField& field = blob.fields.emplace_back();
+    field.name = header.fields[i];
+    field.offset = static_cast<std::uint32_t>(offset);
+    field.datatype = datatype_of(header.types[i], header.sizes[i]);
+    field.count = static_cast<std::uint32_t>(header.counts[i]);
+    offset += header.sizes[i] * header.counts[i];
+  }
+  blob.width = static_cast<std::uint32_t>(header.width);
+  blob.height = static_cast<std::uint32_t>(header.height);
+  blob.point_step = static_cast<std::uint32_t>(offset);
+  blob.row_step = static_cast<std::uint32_t>(offset * header.width);
+  blob.data.resize(header.points * offset);
+  return blob;
+}
+
+Error refused_by_pcl(const std::string& name, const char* format, const std::string& why) {
+  return {ErrorKind::bad_data, fmt::format("{}: expected a {} file, PCL refuses it{}", name, format, why)};
+}
+
+}  // namespace
+
+/// PCL unpacks the data behind a header that we have read: its own header reader goes on into the data, and crashes.
+Result<PointCloud> unpack_binary_pcd(std::span<const std::uint8_t> bytes, const PcdHeader& header,
+                                     const std::string& name) {
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // what it prints, our Error says
+  try {
+    pcl::PCLPointCloud2 blob = blob_of(header);
+    const bool compressed = header.data == "binary_compressed";
+    if (pcl::PCDReader().readBodyBinary(bytes.data(), blob, pcl::PCDReader::PCD_V7, compressed,
+                                        static_cast<unsigned int>(header.data_offset)) < 0)
+      return refused_by_pcl(name, "PCD", "");
+    return to_cloud(blob, name);
+  } catch (const std::exception& e) {
+    return refused_by_pcl(name, "PCD", std::string(": ") + e.what());
+  }
+}
+
+/// PCL reads the file by its name: it has no PLY reader from memory. The header has been checked.
+Result<PointCloud> read_checked_ply(const std::filesystem::path& file) {
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   const std::string name = file.string();
   try {
     pcl::PCLPointCloud2 blob;
     Eigen::Vector4f origin;
     Eigen::Quaternionf orientation;
     int version = 0;
-    const int status = Reader().read(name, blob, origin, orientation, version);
-    if (status < 0)
-      return Error{ErrorKind::bad_data, fmt::format("{}: expected a {} file, PCL cannot read it as one", name, format)};
+    if (pcl::PLYReader().read(name, blob, origin, orientation, version) < 0) return refused_by_pcl(name, "PLY", "");
     return to_cloud(blob, name);
   } catch (const std::exception& e) {
-    return Error{ErrorKind::bad_data,
-                 fmt::format("{}: expected a {} file, PCL refuses it: {}", name, format, e.what())};
+    return refused_by_pcl(name, "PLY", std::string(": ") + e.what());
   }
 }
 
-Result<PointCloud> read_pcl(const std::filesystem::path& file, bool pcd) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string head(kPointHeaderMaxBytes, '\0');
-  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(stream.gcount()));
-  std::error_code failed;
-  const auto size = std::filesystem::file_size(file, failed);
-  if (failed || stream.bad()) return Error{ErrorKind::no_input, fmt::format("{}: cannot be read", file.string())};
-  const auto plausible =
-      pcd ? check_pcd_header(head, size, file.string()) : check_ply_header(head, size, file.string());
-  if (!plausible) return plausible.error();
-  return pcd ? read_with_pcl<pcl::PCDReader>(file, "PCD") : read_with_pcl<pcl::PLYReader>(file, "PLY");
-}
+}  // namespace scree::io
 
 #else
 
-Result<PointCloud> read_pcl(const std::filesystem::path& file, bool) {
-  return Error{ErrorKind::unavailable, fmt::format("{}: PCD and PLY files need PCL, which this build leaves out "
-                                                   "(SCREE_WITH_PCL=OFF); .bin and text points work",
-                                                   file.string())};
-}
+namespace scree::io {
+namespace {
 
-#endif
+Error without_pcl(const std::string& name) {
+  return {ErrorKind::unavailable, fmt::format("{}: binary PCD and PLY files need PCL, which this build leaves out "
+                                              "(SCREE_WITH_PCL=OFF); ASCII PCD, .bin and text points work",
+                                              name)};
+}
 
 }  // namespace
 
-Status parse_bin_points(std::span<const std::uint8_t> bytes, const std::string& name,
-                        std::vector<Eigen::Vector4f>& points) {
-  static_assert(sizeof(Eigen::Vector4f) == 16);
-  if (bytes.size() % 16 != 0)
-    return Error{ErrorKind::bad_data, fmt::format("{}: expected points of 16 bytes (float32 x y z intensity), found {} "
-                                                  "bytes: {} are left over at byte {}",
-                                                  name, bytes.size(), bytes.size() % 16, bytes.size() / 16 * 16)};
-  points.resize(bytes.size() / 16);
-  if (!bytes.empty()) std::memcpy(points.front().data(), bytes.data(), bytes.size());
-  return {};
+Result<PointCloud> unpack_binary_pcd(std::span<const std::uint8_t>, const PcdHeader&, const std::string& name) {
+  return without_pcl(name);
 }
-
-Result<PointCloud> read_point_cloud(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored))
-    return Error{ErrorKind::no_input, file.string() + ": expected a point file, found none"};
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  if (extension == ".pcd" || extension == ".ply") return read_pcl(file, extension == ".pcd");
-  if (extension == ".bin") return read_bin(file);
-  if (extension == ".xyz" || extension == ".txt" || extension == ".csv") return read_text(file);
-  return Error{ErrorKind::bad_data,
-               fmt::format("{}: expected a point file (.pcd .ply .bin .xyz .txt .csv), found extension '{}'",
-                           file.string(), extension)};
+Result<PointCloud> read_checked_ply(const std::filesystem::path& file) {
+  return without_pcl(file.string());
 }
 
 }  // namespace scree::io
+
+#endif

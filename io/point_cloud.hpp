@@ -21,8 +21,8 @@ struct PointCloud {
   std::size_t dropped_non_finite = 0;
 };
 
-/// By extension: .pcd, .ply, .bin (float32 x y z intensity), .xyz/.txt/.csv (blanks or commas; an optional header line
-/// names the columns). Errors: no_input, bad_data (with byte offset or line).
+/// By extension: .pcd (PCL but for ASCII data), .ply (PCL), .bin (float32 x y z intensity), .xyz/.txt/.csv (blanks or
+/// commas; an optional header line names the columns). Errors: no_input, bad_data (with byte offset or line).
 Result<PointCloud> read_point_cloud(const std::filesystem::path& file);
 
 inline constexpr std::size_t kPointFileMaxBytes = std::size_t{8} << 30;
@@ -34,7 +34,8 @@ Status parse_bin_points(std::span<const std::uint8_t> bytes, const std::string& 
 
 /// Text points: a line each, columns apart by blanks or one comma or semicolon. Lines that begin with # or // and empty
 /// ones are skipped. A first line that is not numeric names the columns (x y z, intensity; others are ignored); without
-/// one the first three are x y z, and of exactly four the last is the intensity. Errors: bad_data with the line.
-Result<PointCloud> parse_point_text(std::string_view text, const std::string& name);
+/// one the first three are x y z, and of exactly four the last is the intensity. `first_line` is the number of the
+/// text's first line in messages. Errors: bad_data with the line.
+Result<PointCloud> parse_point_text(std::string_view text, const std::string& name, std::size_t first_line = 1);
 
 }  // namespace scree::io

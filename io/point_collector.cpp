@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace scree::io {
 namespace {
@@ -16,7 +17,8 @@ void PointCollector::add(const Eigen::Vector3d& point, double intensity) {
     ++dropped_;
     return;
   }
-  points_.push_back({point, std::isfinite(intensity) ? static_cast<float>(intensity) : 0.0f});
+  const bool fits = std::abs(intensity) <= static_cast<double>(std::numeric_limits<float>::max());
+  points_.push_back({point, fits ? static_cast<float>(intensity) : 0.0f});
 }
 
 Result<PointCloud> PointCollector::finish(const std::string& name) && {

@@ -12,7 +12,7 @@ namespace scree::io {
 class PointCollector {
  public:
   void reserve(std::size_t count) { points_.reserve(count); }
-  /// Coordinates as the file has them; an intensity that is not finite becomes 0.
+  /// Coordinates as the file has them; an intensity that is no finite float becomes 0.
   void add(const Eigen::Vector3d& point, double intensity);
   /// `origin_m` is whole metres, the floor of the smallest coordinates, when some coordinate would be off by more than
   /// 0.1 mm in float32; else 0. Errors: bad_data (no finite point), with `name`.

@@ -119,11 +119,11 @@ Status take_row(const Fields& fields, const Columns& columns, PointCollector& po
 
 }  // namespace
 
-Result<PointCloud> parse_point_text(std::string_view text, const std::string& name) {
+Result<PointCloud> parse_point_text(std::string_view text, const std::string& name, std::size_t first_line) {
   PointCollector points;
   std::optional<Columns> columns;
   Fields fields;
-  for (std::size_t number = 1; !text.empty(); ++number) {
+  for (std::size_t number = first_line; !text.empty(); ++number) {
     const auto* end = static_cast<const char*>(std::memchr(text.data(), '\n', text.size()));
     const std::string_view line =
         text.substr(0, end == nullptr ? text.size() : static_cast<std::size_t>(end - text.data()));

@@ -1,11 +1,13 @@
 #include "drivers/recording.hpp"
 
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <utility>
 
 #include "drivers/depth_image.hpp"
 #include "drivers/perceptron_file.hpp"

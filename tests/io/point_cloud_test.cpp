@@ -126,7 +126,7 @@ std::string pcd(int size, int points, const char* data) {
 class PclFile : public PointFile {
  protected:
   void SetUp() override {
-    const auto cloud = read_point_cloud(write("probe.pcd", pcd(4, 1, "ascii") + "1 2 3 4\n"));
+    const auto cloud = read_point_cloud(write("probe.pcd", pcd(4, 1, "binary") + floats({1, 2, 3, 4})));
     if (!cloud && cloud.error().kind == ErrorKind::unavailable) GTEST_SKIP() << cloud.error().message;
   }
 };
@@ -143,11 +143,51 @@ TEST_F(PclFile, PcdInAsciiAndBinaryGiveTheSamePoints) {
   }
 }
 
-TEST_F(PclFile, PcdDoublesKeepTheirDigits) {
+// PCL would make a point in the origin of each of these lines.
+TEST_F(PointFile, AsciiPcdLinesThatAreNoPointsAreRefused) {
+  EXPECT_THAT(message("two.pcd", pcd(4, 1, "ascii") + "1 2 3\n"), HasSubstr("two.pcd:12: expected 4 columns"));
+  EXPECT_THAT(message("abc.pcd", pcd(4, 1, "ascii") + "a b c d\n"),
+              HasSubstr("abc.pcd:12: expected a number in column 1"));
+  EXPECT_THAT(message("less.pcd", pcd(4, 2, "ascii") + "1 2 3 4\n"), HasSubstr("expected 2 points, found 1"));
+  EXPECT_THAT(message("more.pcd", pcd(4, 1, "ascii") + "1 2 3 4\n1 2 3 4\n"), HasSubstr("expected 1 points, found 2"));
+}
+
+TEST_F(PointFile, ArraysOfAnAsciiPcdKeepTheirColumns) {
+  const auto cloud =
+      read_point_cloud(write("array.pcd",
+                             "FIELDS normal x y z\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 3 1 1 1\nWIDTH 1\nPOINTS 1\n"
+                             "DATA ascii\n9 9 9 1 2 3\n"));
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->points[0], Eigen::Vector4f(1, 2, 3, 0));
+}
+
+TEST_F(PointFile, PcdDoublesKeepTheirDigits) {
   const auto cloud = read_point_cloud(write("d.pcd", pcd(8, 1, "ascii") + "515368.123 4918340.456 2322.789 1\n"));
   ASSERT_TRUE(cloud) << cloud.error().message;
   const Eigen::Vector3d point = cloud->points[0].head<3>().cast<double>() + cloud->origin_m;
   EXPECT_NEAR((point - Eigen::Vector3d(515368.123, 4918340.456, 2322.789)).norm(), 0.0, 1e-5);
+}
+
+// Compressed data is one LZF block of all x, then all y, then all z; 0x17 announces 24 literal bytes.
+TEST_F(PclFile, CompressedPcdIsUnpacked) {
+  const std::string header =
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA binary_compressed\n";
+  const std::string block = std::string("\x19\0\0\0\x18\0\0\0\x17", 9) + floats({1, 4, 2, 5, 3, 6});
+  const auto cloud = read_point_cloud(write("c.pcd", header + block));
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  ASSERT_EQ(cloud->points.size(), 2u);
+  EXPECT_EQ(cloud->points[0], Eigen::Vector4f(1, 2, 3, 0));
+  EXPECT_EQ(cloud->points[1], Eigen::Vector4f(4, 5, 6, 0));
+  EXPECT_THAT(message("d.pcd", header + block.substr(0, 20)), HasSubstr("compressed bytes that make 24"));
+}
+
+// PCL's own header reader would go on into data that looks like a header, and crash.
+TEST_F(PclFile, BinaryDataThatLooksLikeAHeaderIsData) {
+  std::string data(16, '\0');
+  data.replace(0, 7, "FIELDS ");
+  const auto cloud = read_point_cloud(write("k.pcd", pcd(4, 1, "binary") + data));
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->points.size(), 1u);
 }
 
 TEST_F(PclFile, PlyGivesItsVertices) {
@@ -164,14 +204,20 @@ TEST_F(PclFile, BrokenFilesAreOneMessageEach) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   EXPECT_THAT(message("e.pcd", ""), HasSubstr("expected a PCD header"));
-  EXPECT_THAT(message("g.pcd", "garbage\nDATA ascii\n"), HasSubstr("expected FIELDS with a SIZE"));
+  EXPECT_THAT(message("g.pcd", "garbage\nDATA ascii\n"),
+              HasSubstr("g.pcd:1: expected the lines of a PCD header in their order"));
   EXPECT_THAT(message("h.pcd", pcd(4, 2000000000, "binary")), HasSubstr("points in a file of this size"));
   EXPECT_THAT(message("t.pcd", pcd(4, 3, "binary") + floats({1, 2, 3, 4})),
               HasSubstr("found 16: the file is truncated"));
   EXPECT_THAT(message("f.pcd",
                       "VERSION 0.7\nFIELDS a b\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\n"
                       "DATA ascii\n1 2\n"),
-              HasSubstr("expected the fields x, y and z, found 'a,b'"));
+              HasSubstr("a header that names x, y and z, found 'a,b'"));
+  EXPECT_THAT(
+      message("c.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 1 1\nWIDTH 1\nPOINTS 1\nDATA ascii\n1 2 3\n"),
+      HasSubstr("found field 1 of 4 bytes and count 0"));
+  EXPECT_THAT(message("v.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int x\nend_header\n1 2\n"),
+              HasSubstr("v.ply:4: expected plain properties of a vertex, found a list"));
   EXPECT_THAT(message("e.ply", ""), HasSubstr("expected a PLY header"));
   EXPECT_THAT(message("h.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n"),
               HasSubstr("points in a file of this size"));

@@ -1,46 +1,21 @@
-#include "io/point_header.hpp"
+// PCD headers; see point_header.hpp.
 
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <cstddef>
 #include <fmt/format.h>
-#include <limits>
-#include <optional>
-#include <vector>
+
+#include "io/header_words.hpp"
+#include "io/point_header.hpp"
 
 namespace scree::io {
 namespace {
 
 constexpr std::uint64_t kMaxPointBytes = 65536;
+/// The order is part of the format.
+constexpr std::array<std::string_view, 10> kKeys{"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
+                                                 "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
 constexpr std::uint64_t kCompressionLimit = 16;  ///< points per byte of a compressed PCD
-
-using Words = std::vector<std::string_view>;
-
-/// Takes the next line of `head` apart at its blanks; false at the end.
-bool next_line(std::string_view& head, Words& words) {
-  words.clear();
-  const std::size_t end = head.find('\n');
-  if (end == std::string_view::npos) return false;
-  std::string_view line = head.substr(0, end);
-  head.remove_prefix(end + 1);
-  constexpr std::string_view kBlanks = " \t\r";
-  while (true) {
-    const std::size_t begin = line.find_first_not_of(kBlanks);
-    if (begin == std::string_view::npos) return true;
-    line.remove_prefix(begin);
-    const std::size_t length = std::min(line.find_first_of(kBlanks), line.size());
-    words.push_back(line.substr(0, length));
-    line.remove_prefix(length);
-  }
-}
-
-std::optional<std::uint64_t> unsigned_number(std::string_view word) {
-  std::uint64_t value = 0;
-  const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (status != std::errc{} || end != word.data() + word.size() || value > std::numeric_limits<std::uint32_t>::max())
-    return std::nullopt;
-  return value;
-}
 
 Error refused(const std::string& name, std::size_t line, const std::string& what) {
   return {ErrorKind::bad_data, fmt::format("{}:{}: {}", name, line, what)};
@@ -56,21 +31,6 @@ Status check_count(const Words& words, std::size_t at, std::uint64_t limit, cons
   return {};
 }
 
-struct PcdHeader {
-  std::size_t fields = 0, types = 0;
-  std::vector<std::uint64_t> sizes, counts;  ///< one per field
-  std::uint64_t width = 0, height = 1, points = 0;
-  std::string_view data;        ///< ascii, binary, binary_compressed
-  std::size_t data_offset = 0;  ///< behind the DATA line
-  std::size_t data_line = 0;
-
-  std::uint64_t point_bytes() const {
-    std::uint64_t total = 0;
-    for (std::size_t i = 0; i < sizes.size(); ++i) total += sizes[i] * (counts.empty() ? 1 : counts[i]);
-    return total;
-  }
-};
-
 /// The numbers of SIZE or COUNT.
 std::vector<std::uint64_t> numbers(const Words& words) {
   std::vector<std::uint64_t> values;
@@ -82,18 +42,29 @@ Result<PcdHeader> parse_pcd_header(std::string_view head, std::uint64_t limit, c
   PcdHeader header;
   Words words;
   std::string_view rest = head;
+  std::size_t next_key = 0;
   for (std::size_t line = 1; next_line(rest, words); ++line) {
     if (words.empty() || words[0].starts_with('#')) continue;
-    const std::string_view key = words[0];
-    if (key == "FIELDS" || key == "COLUMNS") header.fields = words.size() - 1;
-    if (key == "TYPE") header.types = words.size() - 1;
+    for (const std::string_view word : words)
+      if (!std::all_of(word.begin(), word.end(), [](char c) { return c > ' ' && c <= '~'; }))
+        return refused(name, line, "expected printable text in a PCD header, found other bytes");
+    const std::string_view key = words[0] == "COLUMNS" ? "FIELDS" : words[0];
+    const auto place = static_cast<std::size_t>(std::find(kKeys.begin(), kKeys.end(), key) - kKeys.begin());
+    if (place == kKeys.size() || place < next_key)
+      return refused(name, line, "expected the lines of a PCD header in their order, found another");
+    next_key = place + 1;
+    if (key == "FIELDS") header.fields.assign(words.begin() + 1, words.end());
+    if (key == "TYPE")
+      for (std::size_t i = 1; i < words.size(); ++i) header.types.push_back(words[i].size() == 1 ? words[i][0] : '?');
     if (key == "SIZE") header.sizes = numbers(words);
     if (key == "COUNT") header.counts = numbers(words);
     if (key == "POINTS" || key == "WIDTH" || key == "HEIGHT") {
       if (const auto checked = check_count(words, 1, limit, name, line); !checked) return checked.error();
       (key == "POINTS" ? header.points : key == "WIDTH" ? header.width : header.height) = *unsigned_number(words[1]);
     }
-    if (key != "DATA" || words.size() < 2) continue;
+    if (key != "DATA") continue;
+    if (words.size() != 2 || (words[1] != "ascii" && words[1] != "binary" && words[1] != "binary_compressed"))
+      return refused(name, line, "expected 'DATA ascii', 'binary' or 'binary_compressed', found another");
     header.data = words[1];
     header.data_offset = head.size() - rest.size();
     header.data_line = line;
@@ -129,40 +100,48 @@ Status check_pcd_data(const PcdHeader& header, std::string_view head, std::uintm
 
 }  // namespace
 
-Status check_pcd_header(std::string_view head, std::uintmax_t file_bytes, const std::string& name) {
-  const auto header = parse_pcd_header(head, file_bytes * kCompressionLimit, name);
+std::uint64_t PcdHeader::point_bytes() const {
+  std::uint64_t total = 0;
+  for (std::size_t i = 0; i < sizes.size(); ++i) total += sizes[i] * counts[i];
+  return total;
+}
+
+Result<PcdHeader> check_pcd_header(std::string_view head, std::uintmax_t file_bytes, const std::string& name) {
+  auto header = parse_pcd_header(head, file_bytes * kCompressionLimit, name);
   if (!header) return header.error();
-  const auto sizes = header->sizes.size(), counts = header->counts.size();
-  if (header->fields == 0 || header->types != header->fields || sizes != header->fields ||
-      (counts != 0 && counts != header->fields))
+  if (header->counts.empty()) header->counts.assign(header->fields.size(), 1);  // the format's default
+  const auto fields = header->fields.size(), sizes = header->sizes.size(), counts = header->counts.size();
+  if (fields == 0 || header->types.size() != fields || sizes != fields || counts != fields)
     return refused(
         name, header->data_line,
         fmt::format("expected FIELDS with a SIZE, a TYPE and a COUNT for each, found {} fields, {} sizes, {} "
                     "types, {} counts",
-                    header->fields, sizes, header->types, counts));
-  if (!std::all_of(header->sizes.begin(), header->sizes.end(),
-                   [](std::uint64_t size) { return size == 1 || size == 2 || size == 4 || size == 8; }) ||
-      !std::all_of(header->counts.begin(), header->counts.end(), [](std::uint64_t n) { return n < kMaxPointBytes; }))
-    return refused(name, header->data_line, "expected sizes of 1, 2, 4 or 8 bytes and counts that fit a point");
+                    fields, sizes, header->types.size(), counts));
+  for (const std::string& field : header->fields)
+    if (!(field[0] == '_' || (field[0] >= 'a' && field[0] <= 'z') || (field[0] >= 'A' && field[0] <= 'Z')))
+      return refused(name, header->data_line,
+                     fmt::format("expected field names that begin with a letter, found '{}'", field));
+  for (std::size_t i = 0; i < fields; ++i) {
+    const bool real = header->types[i] == 'F' && (header->sizes[i] == 4 || header->sizes[i] == 8);
+    const bool whole =
+        (header->types[i] == 'I' || header->types[i] == 'U') &&
+        (header->sizes[i] == 1 || header->sizes[i] == 2 || header->sizes[i] == 4 || header->sizes[i] == 8);
+    const std::uint64_t count = header->counts[i];
+    if ((!real && !whole) || count < 1 || count >= kMaxPointBytes)
+      return refused(
+          name, header->data_line,
+          fmt::format("expected F of 4 or 8 bytes, I or U of 1, 2, 4 or 8, and a count above 0, found field {} "
+                      "of {} bytes and count {}",
+                      i + 1, header->sizes[i], count));
+  }
   if (header->point_bytes() >= kMaxPointBytes)
     return refused(name, header->data_line, fmt::format("expected points of less than {} bytes", kMaxPointBytes));
   if (header->points == 0 || header->width * header->height != header->points)
     return refused(name, header->data_line,
                    fmt::format("expected WIDTH x HEIGHT = POINTS above 0, found {} x {} and {}", header->width,
                                header->height, header->points));
-  return check_pcd_data(*header, head, file_bytes, name);
-}
-
-Status check_ply_header(std::string_view head, std::uintmax_t file_bytes, const std::string& name) {
-  Words words;
-  for (std::size_t line = 1; next_line(head, words); ++line) {
-    if (line == 1 && (words.empty() || words[0] != "ply")) break;
-    if (words.empty()) continue;
-    if (words[0] == "end_header") return {};
-    if (words[0] != "element" || words.size() < 2) continue;
-    if (auto checked = check_count(words, 2, file_bytes, name, line); !checked) return checked;
-  }
-  return refused(name, 1, "expected a PLY header from 'ply' to 'end_header', found none");
+  if (const auto checked = check_pcd_data(*header, head, file_bytes, name); !checked) return checked.error();
+  return header;
 }
 
 }  // namespace scree::io
