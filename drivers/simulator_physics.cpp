@@ -31,7 +31,7 @@ double crosstalk_at(const std::vector<double>& table, double reflectance) {
   return std::lerp(table[i], table[i + 1], place - static_cast<double>(i));
 }
 
-/// [HJ96]-type scanner: phase of the summed returns. Noise is added to the phasor, not to the range, so that
+/// Phase of the summed returns. Noise is added to the phasor, not to the range, so that
 /// σ_range = nominal_sigma_m for a strong signal and the range is uniformly random for none.
 BeamReading read_phase(const SensorPhysics& physics, double ambiguity_m, std::span<const BeamEcho> echoes, int parts,
                        const std::array<double, 4>& normals) {
