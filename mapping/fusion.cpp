@@ -13,6 +13,7 @@ constexpr float kPooledHits = 200.0F;  // the relief forgets beyond this many re
 void replace(const GroundReturn& frame, MapCell& cell) {
   cell.height_m = frame.height_m;
   cell.noise_variance_m2 = frame.noise_variance_m2;
+  cell.shared_variance_m2 = frame.shared_variance_m2;
   cell.relief_m2 = frame.relief_m2;
   cell.hits = static_cast<std::uint16_t>(std::min(frame.hits, 65535));
   cell.contradictions = 0;
@@ -25,11 +26,15 @@ void average(const GroundReturn& frame, float stored_m2, float frame_m2, MapCell
   const float n_new = static_cast<float>(frame.hits);
   const float share = n_new / (n_old + n_new);
   const float between_m2 =
-      std::max(0.0F, innovation_m * innovation_m - cell.noise_variance_m2 - frame.noise_variance_m2);
+      std::max(0.0F, innovation_m * innovation_m - cell.noise_variance_m2 - cell.shared_variance_m2 -
+                         frame.noise_variance_m2 - frame.shared_variance_m2);
   cell.relief_m2 = (1.0F - share) * cell.relief_m2 + share * frame.relief_m2 + share * (1.0F - share) * between_m2;
   cell.height_m += gain * innovation_m;
-  cell.noise_variance_m2 =
-      (1.0F - gain) * (1.0F - gain) * cell.noise_variance_m2 + gain * gain * frame.noise_variance_m2;
+  const auto mixed = [gain](float stored, float seen) {
+    return (1.0F - gain) * (1.0F - gain) * stored + gain * gain * seen;
+  };
+  cell.noise_variance_m2 = mixed(cell.noise_variance_m2, frame.noise_variance_m2);
+  cell.shared_variance_m2 = mixed(cell.shared_variance_m2, frame.shared_variance_m2);
   cell.hits = static_cast<std::uint16_t>(std::min(int{cell.hits} + frame.hits, 65535));
   cell.contradictions = 0;
 }
@@ -51,7 +56,8 @@ FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, Ma
     return counts;
   }
   const float stored_m2 = height_variance_m2(cell, config.cell_m);
-  const float frame_m2 = height_variance_m2(frame.noise_variance_m2, frame.relief_m2, frame.hits, config.cell_m);
+  const float frame_m2 = height_variance_m2(frame.noise_variance_m2 + frame.shared_variance_m2, frame.relief_m2,
+                                            frame.hits, config.cell_m);
   const float innovation_m = frame.height_m - cell.height_m;
   const float gate = config.outlier_sigmas;
   if (innovation_m * innovation_m <= gate * gate * (stored_m2 + frame_m2)) {

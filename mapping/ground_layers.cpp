@@ -11,6 +11,7 @@ void GroundLayers::shape(int rows, int columns) {
   for (Grid<float>* grid : {&height_m, &noise_variance_m2, &variance_m2, &relief_m2, &ceiling_m, &lip_m})
     grid->assign(rows, columns, 0.0F);
   hits.assign(rows, columns, 0);
+  support.assign(rows, columns, 0);
   measured.assign(rows, columns, 0);
   shadowed.assign(rows, columns, 0);
 }
@@ -32,6 +33,7 @@ void GroundLayers::unroll(const RollingGrid<MapCell>& map, double cell_m, Execut
           ceiling_m(row, column) = cell.ceiling_m;
           lip_m(row, column) = cell.lip_m;
           hits(row, column) = cell.hits;
+          support(row, column) = random_support(cell.hits);
           measured(row, column) = known ? 1 : 0;
           shadowed(row, column) = cell.shadowed ? 1 : 0;
           ++column;

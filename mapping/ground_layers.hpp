@@ -12,12 +12,13 @@ namespace scree::mapping {
 
 struct GroundLayers {
   Grid<float> height_m;           ///< NaN = unmeasured
-  Grid<float> noise_variance_m2;  ///< of the mean, range noise alone; 0 where unmeasured
+  Grid<float> noise_variance_m2;  ///< of the mean, independent range noise alone; 0 where unmeasured
   Grid<float> variance_m2;        ///< of the height as the cell's mean height; 0 where unmeasured
   Grid<float> relief_m2;          ///< variance of single returns beyond their noise
   Grid<float> ceiling_m;          ///< +inf = no ray crossed
   Grid<float> lip_m;
   Grid<std::uint16_t> hits;
+  Grid<std::uint16_t> support;  ///< random_support(hits)
   Grid<std::uint8_t> measured;  ///< 1 = measured
   Grid<std::uint8_t> shadowed;
 

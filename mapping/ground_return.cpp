@@ -7,7 +7,7 @@ namespace scree::mapping {
 
 namespace {
 
-constexpr float kSharedNoise = 0.25F;
+constexpr float kSharedNoise = 0.25F;  // share of a return's variance that the whole frame has in common
 
 struct Surface {
   std::size_t begin = 0, end = 0;  ///< in the sorted heights
@@ -76,7 +76,8 @@ GroundReturn ground_return(std::span<float> heights_m, std::span<const float> va
   out.height_m = mean_of(heights_m.subspan(choice.chosen.begin, choice.chosen.size()));
   out.hits = static_cast<int>(choice.chosen.size());
   out.others = static_cast<int>(heights_m.size()) - out.hits;
-  out.noise_variance_m2 = variance_m2 * (kSharedNoise + (1.0F - kSharedNoise) / static_cast<float>(out.hits));
+  out.noise_variance_m2 = variance_m2 / static_cast<float>(out.hits);
+  out.shared_variance_m2 = kSharedNoise * variance_m2;
   double squares = 0.0;
   const auto relief = heights_m.subspan(choice.below_overhang.begin, choice.below_overhang.size());
   for (const float z : relief) squares += static_cast<double>((z - out.height_m) * (z - out.height_m));

@@ -18,12 +18,13 @@ struct StoredHeight {
 };
 
 struct GroundReturn {
-  float height_m = 0.0F;           ///< mean of the chosen surface
-  float bottom_m = 0.0F;           ///< its lowest return
-  float noise_variance_m2 = 0.0F;  ///< of the mean, from range noise
-  float relief_m2 = 0.0F;          ///< variance of the returns below the overhang about height_m, less their noise
-  int hits = 0;                    ///< returns averaged
-  int others = 0;                  ///< returns of other surfaces in the cell
+  float height_m = 0.0F;            ///< mean of the chosen surface
+  float bottom_m = 0.0F;            ///< its lowest return
+  float noise_variance_m2 = 0.0F;   ///< of the mean: independent range noise
+  float shared_variance_m2 = 0.0F;  ///< of the mean: errors that returns of one frame share
+  float relief_m2 = 0.0F;           ///< variance of the returns below the overhang about height_m, less their noise
+  int hits = 0;                     ///< returns averaged
+  int others = 0;                   ///< returns of other surfaces in the cell
 };
 
 /// Splits the heights of one cell at vertical gaps wider than max(2 cells, 6 sigma) and never averages across one. Of
@@ -31,8 +32,10 @@ struct GroundReturn {
 /// ignored; of the rest, the one that agrees with the stored height and has a quarter of the returns is taken, else the
 /// one with the most returns (the higher of two equals). The relief covers all that is below the overhang, so it
 /// keeps what its height leaves out.
-/// Noise of the mean of k returns with variance v: v (r + (1 − r)/k), r = 0.25: returns of one frame share their pose
-/// and their phase error. `heights_m` (not empty) is sorted when there is more than one surface. O(n log n) then.
+/// Of the variance v of a return, v/k is left in the mean of k; besides, a quarter of v is taken to be shared by the
+/// returns of a frame (pose, phase): it does not average away, and it does not roughen the ground either, because
+/// neighbouring cells share it too.
+/// `heights_m` (not empty) is sorted when there is more than one surface. O(n log n) then.
 GroundReturn ground_return(std::span<float> heights_m, std::span<const float> variances_m2, const StoredHeight& stored,
                            const GroundConfig& config);
 

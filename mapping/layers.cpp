@@ -61,10 +61,10 @@ void Layers::estimate_roughness(Executor& executor) {
         const float slope = measured_slope_rad_(row, column);
         const float rise = std::isfinite(slope) ? std::tan(slope) : 0.0F;
         place_variance_m2_(row, column) = ground_.noise_variance_m2(row, column) +
-                                          rise * rise * place_m2 / static_cast<float>(ground_.hits(row, column));
+                                          rise * rise * place_m2 / static_cast<float>(ground_.support(row, column));
       }
   });
-  dimension_mapper_.update(ground_.height_m, place_variance_m2_, ground_.hits, executor, roughness_);
+  dimension_mapper_.update(ground_.height_m, place_variance_m2_, ground_.support, executor, roughness_);
 }
 
 const fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, Executor& executor) {

@@ -52,8 +52,10 @@ TEST(GroundReturn, SlopingCellIsOneSurface) {
   EXPECT_EQ(seen.others, 0);
 }
 
-TEST(GroundReturn, NoiseOfOneFrameIsNotAveragedAway) {
-  EXPECT_NEAR(returns_of(std::vector<float>(1000, 0.0F)).noise_variance_m2, 0.25e-4F, 1e-6F);
+TEST(GroundReturn, NoiseThatAFrameSharesIsNotAveragedAway) {
+  const GroundReturn many = returns_of(std::vector<float>(1000, 0.0F));
+  EXPECT_NEAR(many.noise_variance_m2, 1e-7F, 1e-9F);
+  EXPECT_NEAR(many.shared_variance_m2, 0.25e-4F, 1e-8F);
   EXPECT_FLOAT_EQ(returns_of({0.0F}).noise_variance_m2, 1e-4F);
 }
 
