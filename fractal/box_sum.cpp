@@ -13,13 +13,7 @@ SCREE_CLONES void add(float* __restrict out, const float* __restrict in, std::si
 
 /// cell[i] += cell[i + step], front to back: reads stay ahead of writes.
 SCREE_CLONES void fold(float* cell, std::size_t step, std::size_t n) {
-  if (step >= 16) {  // far apart: no overlap within a vector
-    const float* ahead = cell + step;
-#pragma GCC ivdep
-    for (std::size_t i = 0; i < n; ++i) cell[i] += ahead[i];
-  } else {
-    for (std::size_t i = 0; i < n; ++i) cell[i] += cell[i + step];
-  }
+  for (std::size_t i = 0; i < n; ++i) cell[i] += cell[i + step];
 }
 
 /// out[i] = Σ cell[i … i + width) for i < n; `cell` holds n + width − 1 values of `stride` floats each and is

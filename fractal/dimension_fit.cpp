@@ -104,13 +104,13 @@ struct Fitter {
   }
 
   SCREE_INLINE float quadratic_form(const DimensionTables::Weight& weight) const {
-    float form = 0.0F;
-    for (int c = 0; c < kClassCount; ++c) {
-      Lanes row;
-      std::memcpy(&row, weight.data() + c * kClassCount, sizeof row);
-      form += residual[c] * sum(row * residual);
+    Lanes form = {};
+    for (int c = 0; c < kClassCount; ++c) {  // by columns: the matrix is symmetric
+      Lanes column;
+      std::memcpy(&column, weight.data() + c * kClassCount, sizeof column);
+      form += residual[c] * column;
     }
-    return form;
+    return sum(form * residual);
   }
 };
 
@@ -118,7 +118,7 @@ struct Fitter {
 
 SCREE_CLONES EnergyFit fit_energies(const DimensionTables& tables, const EnergyWindow& window) {
   // A step is accurate to about its square.
-  constexpr float kTolerance = 1e-5F, kMaxHurstStep = 0.3F, kMaxLogStep = 1.5F;
+  constexpr float kTolerance = 1e-3F, kMaxHurstStep = 0.3F, kMaxLogStep = 1.5F;
   const int nugget_node = tables.has_nugget ? nearest(DimensionTables::kNuggets, window.nugget) : 0;
   const std::size_t first = DimensionTables::index(nugget_node, nearest(DimensionTables::kFills, window.fill), 0, 0);
   Fitter fitter{.tables = tables,

@@ -20,7 +20,6 @@ SCREE_CLONES void residual_row(const Stencil& a, const float* const* x, const fl
                                int n) {
   const float* __restrict up2 = x[0], * __restrict up = x[1], * __restrict mid = x[2], * __restrict down = x[3], * __restrict down2 = x[4];
   const float centre = a.centre, side = a.side, diagonal = a.diagonal, far = a.far;
-#pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
     const float sides = (mid[i - 1] + mid[i + 1]) + (up[i] + down[i]);
     const float diagonals = (up[i - 1] + up[i + 1]) + (down[i - 1] + down[i + 1]);

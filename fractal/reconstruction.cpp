@@ -45,7 +45,8 @@ struct ConditionalReconstructor::Solver {
   struct Side {  // the mean or the residual
     PaddedField x, b;
     BlendSolver solver;
-    SolveReport report;
+    int iterations = 0;
+    bool converged = false;
   };
 
   explicit Solver(const ReconstructionConfig& c)
@@ -60,6 +61,11 @@ struct ConditionalReconstructor::Solver {
   Side mean, residual;
   Kept kept_mean, kept_residual;
 
+  void solve(Side& side, double tolerance) const {
+    const SolveReport report = side.solver.solve(matrix, side.b, tolerance, config.max_iterations, side.x);
+    side.iterations = report.iterations;
+    side.converged = report.converged;
+  }
   Problem load(const Grid<float>& height_m, const Grid<float>& variance_m2, const FractalLaw& law);
   void prepare_mean(const Problem& problem, const Grid<float>& height_m);
   void prepare_residual(const Problem& problem);
@@ -163,8 +169,8 @@ void ConditionalReconstructor::Solver::write(const LatticeWindow& window, Recons
       out.draw_m(r, i) = x[i] + e[i];
     }
   }
-  out.iterations = mean.report.iterations + residual.report.iterations;
-  out.converged = mean.report.converged && residual.report.converged;
+  out.iterations = mean.iterations + residual.iterations;
+  out.converged = mean.converged && residual.converged;
 }
 
 ConditionalReconstructor::ConditionalReconstructor(const ReconstructionConfig& config)
@@ -197,10 +203,7 @@ void ConditionalReconstructor::reconstruct(const Grid<float>& height_m, const Gr
   work.prepare_residual(problem);
   const double tolerance = problem.dimension < 2.3 ? std::min(0.02, work.config.tolerance) : work.config.tolerance;
   executor.for_ranges(2, [&](int begin, int end) {
-    for (int task = begin; task < end; ++task) {
-      Solver::Side& side = task == 0 ? work.mean : work.residual;
-      side.report = side.solver.solve(work.matrix, side.b, tolerance, work.config.max_iterations, side.x);
-    }
+    for (int task = begin; task < end; ++task) work.solve(task == 0 ? work.mean : work.residual, tolerance);
   });
   work.keep(problem);
   work.write(window, out);

@@ -25,11 +25,12 @@ constexpr std::array<std::pair<double, double>, 3> kGauss3 = {{{0.11270166537925
 /// in closed form and leaves a smooth integrand.
 double corner_square(double hurst, double a, double b, double c, double d) {
   double sum = 0.0;
-  for (const auto& [x, weight] : kGauss8) {
+  for (const auto& node : kGauss8) {
+    const double x = node.first;
     const auto triangle = [&](double p, double q, double r, double t) {
       return p * r / (2 * hurst + 2) + (q * r + p * t * x) / (2 * hurst + 3) + q * t * x / (2 * hurst + 4);
     };
-    sum += weight * std::pow(1.0 + x * x, hurst) * (triangle(a, b, c, d) + triangle(c, d, a, b));
+    sum += node.second * std::pow(1.0 + x * x, hurst) * (triangle(a, b, c, d) + triangle(c, d, a, b));
   }
   return sum;
 }
