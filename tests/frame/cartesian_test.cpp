@@ -1,5 +1,6 @@
 // Points land where the scene is: planes standing and driving, every pixel accounted for.
 
+#include <gtest/gtest.h>
 #include <numeric>
 
 #include "tests/frame/scanned_scene.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <gtest/gtest.h>
 
 #include "tests/frame/scanned_scene.hpp"
 

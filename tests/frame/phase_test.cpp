@@ -1,5 +1,8 @@
 // Ambiguous ranges: resolved where the evidence suffices, dropped and counted elsewhere, never wrong in silence.
 
+#include <gtest/gtest.h>
+
+#include "tests/frame/phase_outcome.hpp"
 #include "tests/frame/scanned_scene.hpp"
 
 namespace scree {
@@ -9,43 +12,11 @@ using namespace test;
 
 const Scene kGround = plane({0, 0, 0}, {0, 0, 1});
 
-struct Outcome {
-  PointFrame points;
-  int wrong = 0;  ///< points farther than 1 m along the ray from the truth of their pixel
-};
-
-/// Converts and holds every point against the truth of its pixel, which is found again by its phase.
-Outcome convert(const Scan& scan, const GroundLookup& ground = {}) {
-  Outcome out;
-  SerialExecutor executor;
-  EXPECT_TRUE(PointConverter().convert(scan.frame, ground, executor, out.points));
+PhaseOutcome convert(const Scan& scan, const GroundLookup& ground = {}) {
+  auto out = convert_and_compare(scan, ground);
+  EXPECT_TRUE(out.complete);
   EXPECT_EQ(accounted(out.points.counts), out.points.counts.pixels);
-  const Projection& p = *scan.frame.projection;
-  for (int r = 0; r < p.rows; ++r) {
-    std::uint32_t i = out.points.row_begin[static_cast<std::size_t>(r)];
-    const std::uint32_t end = out.points.row_begin[static_cast<std::size_t>(r) + 1];
-    for (int c = 0; c < p.columns && i < end; ++c) {  // points keep the order of the columns; wraps cost no phase
-      const float wraps = (out.points.range_m[i] - scan.frame.range_m(r, c)) / static_cast<float>(p.ambiguity_m);
-      if (!(std::abs(wraps - std::round(wraps)) < 1e-4F)) continue;
-      out.wrong += std::abs(out.points.range_m[i] - scan.truth_m(r, c)) > 1.0F ? 1 : 0;
-      ++i;
-    }
-    EXPECT_EQ(i, end);
-  }
   return out;
-}
-
-/// Pixels whose surface is at most `range_m` away.
-std::uint64_t pixels_within(const Scan& scan, float range_m) {
-  std::uint64_t count = 0;
-  for (const float truth : scan.truth_m) count += truth <= range_m ? 1U : 0U;
-  return count;
-}
-
-std::uint64_t points_within(const PointFrame& points, float range_m) {
-  std::uint64_t count = 0;
-  for (const float range : points.range_m) count += range <= range_m ? 1U : 0U;
-  return count;
 }
 
 SensorConfig sensor_at(double height_m, double pitch_rad, double range_max_m) {
@@ -199,19 +170,6 @@ TEST(PhaseResolution, KeepsRoughGround) {
   EXPECT_GT(points_within(result.points, 8.0F), pixels_within(seen, 8.0F) * 95 / 100);
 }
 
-/// A square building whose walls stand at random; seeds differ in place, size and yaw.
-Scene random_building(std::uint64_t seed) {
-  const auto u = random_words(seed, 1, 0, 0);
-  const double x = 3.0 + 14.0 * to_uniform(u[0]);
-  const double y = -5.0 + 10.0 * to_uniform(u[1]);
-  const double height = 0.4 + 3.0 * to_uniform(u[2]);
-  const double yaw = 3.14 * to_uniform(u[3]);
-  const Eigen::Vector3d normal(-std::cos(yaw), std::sin(yaw), 0.0);
-  return part(plane({x, y, 0}, normal), [=](const auto& p) {
-    return p.z() >= 0.0 && p.z() < height && (p - Eigen::Vector3d(x, y, p.z())).norm() < 2.0;
-  });
-}
-
 // 40 scenes of three walls on flat ground with noise. No claim of zero: ground that only shows in a gap between walls
 // has one neighbour, and where the depth of that edge stays within the join tolerance of one interval for five pixels
 // and more, no evidence in the frame tells (docs/perceptron.md; measured over 400 such scenes: 3e-4 of the points).
@@ -222,9 +180,7 @@ TEST(PhaseResolution, WrongIntervalsAreRareAmongRandomWalls) {
   std::uint64_t wrong = 0;
   std::uint64_t points = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    const Scene walls =
-        nearest(random_building(3 * seed), nearest(random_building(3 * seed + 1), random_building(3 * seed + 2)));
-    const auto result = convert(scan(projection, sensor, standing(), nearest(kGround, walls), 0.01));
+    const auto result = convert(scan(projection, sensor, standing(), nearest(kGround, random_walls(seed)), 0.01));
     wrong += static_cast<std::uint64_t>(result.wrong);
     points += result.points.counts.points;
   }
