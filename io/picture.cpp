@@ -23,7 +23,7 @@ namespace {
 constexpr int kFine = 2;
 constexpr int kPanel = 500 * kFine;  ///< longer side of a map
 constexpr int kLeft = 74 * kFine;    ///< room for the y axis
-constexpr int kRight = 104 * kFine;  ///< room for the colour bar
+constexpr int kRight = 112 * kFine;  ///< room for the colour bar
 constexpr int kTop = 52 * kFine;
 constexpr int kBottom = 62 * kFine;
 constexpr int kCaption = 34 * kFine;
@@ -158,14 +158,12 @@ void draw_colour_bar(cv::Mat& canvas, const View& view, const ColourScale& scale
   const cv::Rect swatch(bar.x, bar.br().y + 12 * kFine, bar.width, 14 * kFine);
   draw_unknown(canvas(swatch));
   cv::rectangle(canvas, swatch, kInk, kFine);
-  write(canvas, "unknown", {swatch.br().x + 5 * kFine, swatch.br().y - 2 * kFine}, Align::left, 0.8 * kTextScale);
+  write(canvas, "unknown", {swatch.br().x + 5 * kFine, swatch.br().y - 2 * kFine}, Align::left, kTextScale);
 }
 
 /// A bar of a round length, about a quarter of the panel, on a white plate.
 void draw_scale_bar(cv::Mat& canvas, const View& view) {
-  const auto lengths = ticks(0.0, (view.x_max_m() - view.x_min_m) / 3.5, 2);
-  if (lengths.size() < 2) return;
-  const Tick& length = lengths.back();
+  const Tick length = round_length((view.x_max_m() - view.x_min_m) / 3.5);
   const int width = view.x_px(view.x_min_m + length.value) - view.box.x;
   const cv::Rect plate(view.box.x + 10 * kFine, view.box.br().y - 44 * kFine, width + 20 * kFine, 34 * kFine);
   cv::rectangle(canvas, plate, kPaper, cv::FILLED);

@@ -78,6 +78,16 @@ std::vector<Tick> ticks(double min, double max, int most) {
   return result;
 }
 
+Tick round_length(double most) {
+  const double power = std::pow(10.0, std::floor(std::log10(most)));
+  double length = power;
+  for (const double factor : {2.0, 5.0}) {
+    if (factor * power <= most) length = factor * power;
+  }
+  return {length,
+          fmt::format("{:.{}f}", length, length < 1.0 ? static_cast<int>(std::ceil(-std::log10(length) - 1e-9)) : 0)};
+}
+
 std::pair<double, double> value_limits(const Grid<float>& values) {
   std::vector<float> known;
   for (const float value : values) {

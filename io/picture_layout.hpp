@@ -30,6 +30,9 @@ struct Tick {
 };
 std::vector<Tick> ticks(double min, double max, int most);
 
+/// The greatest 1, 2 or 5 · 10^n up to `most` > 0.
+Tick round_length(double most);
+
 /// 1 % and 99 % quantiles of the finite values, widened where they coincide; {0, 1} when there are none.
 std::pair<double, double> value_limits(const Grid<float>& values);
 

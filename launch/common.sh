@@ -1,0 +1,40 @@
+# Sourced by the launch files: finds the binary and the configurations, in a clone or installed.
+
+launch_dir=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")" && pwd)
+root=$(dirname "$launch_dir")
+if [ -n "${SCREE:-}" ]; then
+  scree=$SCREE
+elif [ -x "$root/build/release/scree" ]; then  # a clone
+  scree=$root/build/release/scree
+else  # installed: PREFIX/share/scree/launch
+  scree=$(readlink -f "$root/../../bin/scree" || true)
+fi
+if [ ! -x "$scree" ]; then
+  echo "$(basename "$0"): no binary; build it with ./dev build, or set SCREE" >&2
+  exit 69
+fi
+config_dir=$root/config
+
+# start_listener PICTURE: a listener in the background that takes the picture; waits until it listens.
+start_listener() {
+  listener_log=$(mktemp)
+  "$scree" listen --address "$address" --snapshot "$1" --duration "${limit_s:-600}" 2>"$listener_log" &
+  listener=$!
+  trap 'kill "$listener" 2>/dev/null || true; rm -f "$listener_log"' EXIT
+  for _ in $(seq 100); do
+    grep -q "listening at" "$listener_log" && return
+    kill -0 "$listener" 2>/dev/null || break
+    sleep 0.05
+  done
+  cat "$listener_log" >&2
+  exit 69
+}
+
+# finish_listener PICTURE: it ends by itself at the node's BYE.
+finish_listener() {
+  wait "$listener" || { local code=$?; cat "$listener_log" >&2; exit "$code"; }
+  cat "$listener_log" >&2
+  rm -f "$listener_log"
+  trap - EXIT
+  echo "$1"
+}
