@@ -48,9 +48,9 @@ void write_row(const Row& row, const RowPose& pose, const RangeNoise& noise, std
 }
 
 void count_rows(const Grid<PixelState>& state, std::vector<std::uint32_t>& row_begin) {
-  row_begin.resize(static_cast<std::size_t>(state.rows()) + 1);
+  row_begin.assign(static_cast<std::size_t>(state.rows()) + 1, 0);
   std::uint32_t total = 0;
-  for (int r = 0; r < state.rows(); ++r) {
+  for (int r = 0; r < state.rows() && state.columns() > 0; ++r) {
     row_begin[static_cast<std::size_t>(r)] = total;
     for (const PixelState pixel : state.row(r)) total += pixel == PixelState::kept ? 1U : 0U;
   }
@@ -71,6 +71,7 @@ void write_points(const RayTables& tables, const RowPoses& poses, const Grid<Pix
     for (int r = begin; r < end; ++r) {
       const auto index = static_cast<std::size_t>(r);
       out.sensor_m[index] = poses.rows[index].origin_m;
+      if (projection.columns == 0) continue;  // an empty cloud
       write_row(row_of(projection, state, range_m, r), poses.rows[index], tables.sensor->noise, out.row_begin[index],
                 out);
     }
