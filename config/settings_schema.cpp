@@ -74,7 +74,10 @@ Schema<VehicleConfig> vehicle_schema() {
           "max_roll_rad", [](VehicleConfig& v) -> double& { return v.max_roll_rad; }, angle,
           "Steeper ground across the vehicle is lethal."),
       number<VehicleConfig>(
-          "max_step_m", [](VehicleConfig& v) -> double& { return v.max_step_m; }, length, "A higher step is lethal.")};
+          "max_step_m", [](VehicleConfig& v) -> double& { return v.max_step_m; }, length, "A higher step is lethal."),
+      number<VehicleConfig>(
+          "height_m", [](VehicleConfig& v) -> double& { return v.height_m; }, length,
+          "What hangs this much above the ground does not touch the vehicle.")};
   return schema;
 }
 
