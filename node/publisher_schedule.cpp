@@ -177,7 +177,7 @@ void Publisher::State::send_bye(MonotonicTime now, protocol::ByeReason reason, i
 }
 
 Duration Publisher::State::refresh_interval() const {
-  return std::chrono::milliseconds(settings.refresh_ms) /
+  return Duration(std::chrono::milliseconds(settings.refresh_ms)) /
          static_cast<std::int64_t>(std::max<std::size_t>(book.units(), 1));
 }
 

@@ -1,0 +1,142 @@
+#include "node/pose_input.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "tests/node/golden.hpp"
+
+namespace scree::node {
+namespace {
+
+using namespace std::chrono_literals;
+using protocol::Reject;
+
+const Time kStart{std::chrono::seconds(1'700'000'000)};
+
+struct PoseSource {
+  PoseReceiver receiver{*parse_address("127.0.0.1", "test"), 7};
+  Endpoint from = *parse_endpoint("127.0.0.1:5555", "test");
+  protocol::Header header;
+  std::uint64_t next_seq = 1;
+  protocol::PoseInputMessage message;
+
+  PoseSource() {
+    header.stream_id = 7;
+    header.boot_id = 21;
+  }
+  bool send(Duration since_start, double x_m = 0.0) {
+    protocol::Datagram datagram;
+    header.seq = next_seq++;
+    message.time = kStart + since_start;
+    message.T_map_body.translation_m.x() = x_m;
+    protocol::encode(header, message, datagram);
+    return receiver.accept(datagram.view(), from, kStart + 10s);
+  }
+  std::uint64_t rejected(Reject reason) const {
+    return receiver.counters().rejected_by[static_cast<std::size_t>(reason)];
+  }
+};
+
+TEST(PoseInput, InterpolatesBetweenPosesAndKnowsNothingOutside) {
+  PoseSource source;
+  ASSERT_TRUE(source.send(1s, 1.0));
+  source.message.T_map_body.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()));
+  ASSERT_TRUE(source.send(2s, 3.0));
+  const PoseHistory& history = source.receiver.history();
+  const auto middle = history.at(kStart + 1250ms);
+  ASSERT_TRUE(middle);
+  EXPECT_DOUBLE_EQ(middle->translation_m.x(), 1.5);
+  EXPECT_NEAR(Eigen::AngleAxisd(middle->rotation).angle(), 0.125, 1e-12);
+  EXPECT_TRUE(history.at(kStart + 1s));
+  EXPECT_TRUE(history.at(kStart + 2s));
+  EXPECT_FALSE(history.at(kStart + 999ms));
+  EXPECT_FALSE(history.at(kStart + 2001ms));
+  EXPECT_EQ(history.newest()->time, kStart + 2s);
+}
+
+TEST(PoseInput, KeepsTheNewestPosesOnly) {
+  PoseHistory history;
+  for (int i = 0; i < 10'000; ++i) history.add({kStart + i * 1ms, Pose{}});
+  EXPECT_EQ(history.size(), PoseHistory::kCapacity);
+  EXPECT_EQ(history.newest()->time, kStart + 9999ms);
+  const Time oldest = kStart + std::chrono::milliseconds(10'000 - static_cast<int>(PoseHistory::kCapacity));
+  EXPECT_TRUE(history.at(oldest));
+  EXPECT_FALSE(history.at(oldest - 1ns));
+  for (int i = 0; i < 4095; ++i) EXPECT_TRUE(history.at(oldest + i * 1ms + 500us));
+}
+
+TEST(PoseInput, AcceptsNoOtherAddress) {
+  PoseSource source;
+  source.from = *parse_endpoint("127.0.0.2:5555", "test");
+  EXPECT_FALSE(source.send(1s));
+  EXPECT_EQ(source.receiver.counters().foreign_address, 1u);
+  source.from = *parse_endpoint("127.0.0.1:9", "test");  // any port of the right one
+  EXPECT_TRUE(source.send(2s));
+}
+
+TEST(PoseInput, SequenceAndTimeOnlyGoUp) {
+  PoseSource source;
+  EXPECT_TRUE(source.send(1s));
+  EXPECT_FALSE(source.send(1s));
+  EXPECT_FALSE(source.send(500ms));
+  EXPECT_EQ(source.receiver.counters().not_later, 2u);
+  --source.next_seq;
+  EXPECT_FALSE(source.send(2s));
+  EXPECT_EQ(source.rejected(Reject::sequence), 1u);
+  EXPECT_TRUE(source.send(3s));
+  EXPECT_FALSE(source.send(11s + 1ms));  // the node's clock says 10 s
+  EXPECT_EQ(source.receiver.counters().in_future, 1u);
+  EXPECT_TRUE(source.send(4s));
+  EXPECT_EQ(source.receiver.counters().datagrams, 7u);
+  EXPECT_EQ(source.receiver.counters().accepted, 3u);
+  EXPECT_EQ(source.receiver.counters().rejected, 4u);
+}
+
+TEST(PoseInput, RestartedSourceBeginsANewHistory) {
+  PoseSource source;
+  EXPECT_TRUE(source.send(5s));
+  source.header.boot_id = 22;
+  source.next_seq = 1;
+  EXPECT_TRUE(source.send(1s));
+  EXPECT_EQ(source.receiver.history().size(), 1u);
+  source.header.boot_id = 21;
+  source.next_seq = 100;
+  EXPECT_FALSE(source.send(6s));
+  EXPECT_EQ(source.rejected(Reject::old_boot), 1u);
+}
+
+TEST(PoseInput, RefusesOtherStreamsTypesAndMac) {
+  PoseSource source;
+  source.header.stream_id = 8;
+  EXPECT_FALSE(source.send(1s));
+  EXPECT_EQ(source.rejected(Reject::stream), 1u);
+  EXPECT_FALSE(source.receiver.accept(test::golden("heartbeat"), source.from, kStart));
+  EXPECT_EQ(source.rejected(Reject::type), 1u);
+  EXPECT_FALSE(source.receiver.accept(test::golden("heartbeat_mac"), source.from, kStart));
+  EXPECT_EQ(source.rejected(Reject::mac), 1u);
+}
+
+TEST(PoseInput, ReceivesOverLoopbackOnAPortOfTheKernelsChoice) {
+  const auto input = PoseInput::open("127.0.0.1:0", "", 7);
+  ASSERT_TRUE(input) << input.error().message;
+  ASSERT_NE((*input)->port(), 0);
+  const std::string address = "127.0.0.1:" + std::to_string((*input)->port());
+  auto sender = UdpSocket::connect_to(*parse_endpoint(address, "test"), "test");
+  ASSERT_TRUE(sender);
+  const auto bytes = test::golden("pose_input");
+  const std::span<const std::uint8_t> view(bytes);
+  sender->send(std::span(&view, 1));
+  const auto taken = (*input)->poll(2s);
+  ASSERT_TRUE(taken);
+  EXPECT_TRUE(*taken);
+  EXPECT_EQ((*input)->newest()->T_map_body.translation_m, Eigen::Vector3d(1.5, -2.25, 0.125));
+  EXPECT_TRUE((*input)->at(kStart));
+
+  const auto second = PoseInput::open(address, "", 7);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(second.error().message, "publish.listen " + address + ": expected a free UDP port, found it in use");
+}
+
+}  // namespace
+}  // namespace scree::node
