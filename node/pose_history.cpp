@@ -5,9 +5,9 @@
 namespace scree::node {
 
 void PoseHistory::add(const StampedPose& pose) {
-  assert(size_ == 0 || pose.time > entry(size_ - 1).time);
-  if (size_ < kCapacity) {
-    poses_[(begin_ + size_++) % kCapacity] = pose;
+  assert(size() == 0 || pose.time > entry(size() - 1).time);
+  if (size() < kCapacity) {
+    poses_.push_back(pose);
   } else {
     poses_[begin_] = pose;
     begin_ = (begin_ + 1) % kCapacity;
@@ -15,10 +15,10 @@ void PoseHistory::add(const StampedPose& pose) {
 }
 
 std::optional<Pose> PoseHistory::at(Time time) const {
-  if (size_ == 0 || time < entry(0).time || time > entry(size_ - 1).time) return std::nullopt;
-  std::size_t low = 0, high = size_ - 1;  // entry(low).time ≤ time ≤ entry(high).time
+  if (size() == 0 || time < entry(0).time || time > entry(size() - 1).time) return std::nullopt;
+  std::size() t low = 0, high = size() - 1;  // entry(low).time ≤ time ≤ entry(high).time
   while (high - low > 1) {
-    const std::size_t middle = (low + high) / 2;
+    const std::size() t middle = (low + high) / 2;
     (entry(middle).time <= time ? low : high) = middle;
   }
   const StampedPose& before = entry(low);
@@ -31,8 +31,8 @@ std::optional<Pose> PoseHistory::at(Time time) const {
 }
 
 std::optional<StampedPose> PoseHistory::newest() const {
-  if (size_ == 0) return std::nullopt;
-  return entry(size_ - 1);
+  if (size() == 0) return std::nullopt;
+  return entry(size() - 1);
 }
 
 }  // namespace scree::node

@@ -9,25 +9,27 @@
 
 namespace scree::node {
 
-/// A ring of the newest 4096 poses (20 s at 200 Hz), strictly increasing in time. No allocation.
+/// A ring of the newest 4096 poses (20 s at 200 Hz), strictly increasing in time. No allocation once it is full.
 class PoseHistory {
  public:
   static constexpr std::size_t kCapacity = 4096;
 
-  void clear() { size_ = 0; }
+  void clear() {
+    poses_.clear();
+    begin_ = 0;
+  }
   /// `pose.time` must be after newest()'s.
   void add(const StampedPose& pose);
   /// Linear in translation, slerp in rotation; nothing outside the history. O(log n).
   std::optional<Pose> at(Time time) const;
   std::optional<StampedPose> newest() const;
-  std::size_t size() const { return size_; }
+  std::size_t size() const { return poses_.size(); }
 
  private:
   const StampedPose& entry(std::size_t i) const { return poses_[(begin_ + i) % kCapacity]; }
 
-  std::vector<StampedPose> poses_ = std::vector<StampedPose>(kCapacity);
-  std::size_t begin_ = 0;  ///< of the oldest
-  std::size_t size_ = 0;
+  std::vector<StampedPose> poses_;  ///< grows to kCapacity, then is a ring
+  std::size_t begin_ = 0;           ///< of the oldest
 };
 
 }  // namespace scree::node

@@ -33,11 +33,10 @@ def text(value):
     return value.encode().ljust(32, b"\0")
 
 
-def announce():
+def announce(window=(-4, 1, 3, 5, -100, 33, 200, 150)):
+    """Tiles tx_min, ty_min, tx_max, ty_max, then cells x_min, y_min, columns, rows."""
     layers = [(0, 0, 1.0, 0.0), (1, 1, 2.0 ** -12, 0.0), (2, 0, 1 / 254, 2.0), (8, 0, 2.0 ** -14, 0.0), (10, 0, 1.0, 0.0)]
-    # 200 x 150 cells from (-100, 33): tiles -4 .. 3 by 1 .. 5
-    body = struct.pack("<Qd4d4i2i2I5IBBH", 9, 0.1, 49.5, 11.25, 310.0, 0.5, -4, 1, 3, 5, -100, 33, 200, 150,
-                       300, 1000, 0, 1000, 100, 5, len(layers), 0)
+    body = struct.pack("<Qd4d4i2i2I5IBBH", 9, 0.1, 49.5, 11.25, 310.0, 0.5, *window, 300, 1000, 0, 1000, 100, 5, len(layers), 0)
     body += text("map") + text("rover") + text("0.1.0")
     return body + b"".join(struct.pack("<BBHff", a, b, 0, c, d) for a, b, c, d in layers)
 
@@ -108,11 +107,11 @@ def write_corpus(folder):
     """Seeds of the fuzz target `datagram`: per datagram u16 length, u8 milliseconds since the last one, the bytes."""
     folder.mkdir(parents=True, exist_ok=True)
     by_name = {name: data for name, _, data in vectors()}
+    by_name["small"] = datagram(1, announce((-4, 5, -4, 5, -128, 160, 32, 32)))  # one tile: a quick map
     framed = lambda names: b"".join(struct.pack("<HB", len(by_name[n]), 20) + by_name[n] for n in names)
     for name in by_name:
-        if name != "announce":
-            (folder / name).write_bytes(framed(["announce", "heartbeat", name]))
-    (folder / "session").write_bytes(framed(["announce", "heartbeat", "tile_cost_raw", "tile_elevation_lower",
+        (folder / name).write_bytes(framed(["small", "heartbeat", name]))
+    (folder / "session").write_bytes(framed(["small", "heartbeat", "tile_cost_raw", "tile_elevation_lower",
                                              "tile_elevation_upper", "manifest", "tile_cell_state", "bye"]))
 
 
