@@ -16,9 +16,9 @@ void PoseHistory::add(const StampedPose& pose) {
 
 std::optional<Pose> PoseHistory::at(Time time) const {
   if (size() == 0 || time < entry(0).time || time > entry(size() - 1).time) return std::nullopt;
-  std::size() t low = 0, high = size() - 1;  // entry(low).time ≤ time ≤ entry(high).time
+  std::size_t low = 0, high = size() - 1;  // entry(low).time ≤ time ≤ entry(high).time
   while (high - low > 1) {
-    const std::size() t middle = (low + high) / 2;
+    const std::size_t middle = (low + high) / 2;
     (entry(middle).time <= time ? low : high) = middle;
   }
   const StampedPose& before = entry(low);
