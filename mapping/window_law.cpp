@@ -13,6 +13,8 @@ constexpr double kAmplitudeMax_m = 10.0;
 constexpr double kFollow = 0.2;
 // No estimate of D from a window of cells is better than this, whatever its interval says.
 constexpr double kDimensionSigmaMin = 0.02;
+// An exact plane has amplitude 0 and no interval: it counts as the smoothest ground there is, with little weight.
+constexpr double kDimensionSigmaUnknown = 0.3;
 
 double amplitude_span() {
   return std::log(kAmplitudeMax_m / kAmplitudeMin_m);
@@ -45,9 +47,10 @@ std::optional<fractal::FractalLaw> WindowLaw::from(const fractal::DimensionMap& 
   for (std::size_t i = 0; i < measured.size(); ++i) {
     if (measured[i] == 0 || (map.flags[i] & refused_flags) != 0) continue;
     const auto dimension = static_cast<double>(map.dimension[i]);
-    const auto amplitude_m = static_cast<double>(map.amplitude_m[i]);
-    const auto sigma = static_cast<double>(map.dimension_sigma[i]);
-    if (!std::isfinite(dimension) || !std::isfinite(sigma) || !(amplitude_m > 0.0)) continue;
+    const auto amplitude_m = std::max(static_cast<double>(map.amplitude_m[i]), kAmplitudeMin_m);
+    const auto given_sigma = static_cast<double>(map.dimension_sigma[i]);
+    const double sigma = std::isfinite(given_sigma) ? given_sigma : kDimensionSigmaUnknown;
+    if (!std::isfinite(dimension + amplitude_m)) continue;
     const double weight = 1.0 / (sigma * sigma + kDimensionSigmaMin * kDimensionSigmaMin);
     dimension_weights_[bin_of(dimension - 2.0)] += weight;
     amplitude_weights_[bin_of(std::log(amplitude_m / kAmplitudeMin_m) / amplitude_span())] += weight;

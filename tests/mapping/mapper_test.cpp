@@ -1,7 +1,8 @@
 #include "mapping/mapper.hpp"
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <gtest/gtest.h>
 
 #include "tests/mapping/range_scene.hpp"
@@ -60,7 +61,11 @@ TEST(Mapper, FlatPlaneIsMeasuredFlat) {
   for (const RangeFrame& frame : drive([](double, double) { return 0.25; })) ASSERT_TRUE(mapper.step(frame));
   const auto map = mapper.snapshot();
   ASSERT_GT(map->measured_cells(), 500U);
+  EXPECT_GT(std::count(map->state.begin(), map->state.end(), CellState::reconstructed), 50);
   for (std::size_t i = 0; i < map->state.size(); ++i) {
+    if (map->state[i] == CellState::reconstructed) {
+      EXPECT_NEAR(map->elevation_m[i], 0.25F, 0.01F);
+    }
     if (map->state[i] != CellState::measured) continue;
     EXPECT_NEAR(map->elevation_m[i], 0.25F, 1e-3F);
     EXPECT_GT(map->hits[i], 0);

@@ -65,6 +65,17 @@ TEST(WindowLaw, FlaggedCellsServeOnlyWhenCleanOnesAreMissing) {
   EXPECT_TRUE(WindowLaw().estimate(given.map, given.measured));
 }
 
+TEST(WindowLaw, ExactPlanesGiveTheSmoothestLaw) {
+  Cells given = cells(10, 2.02F, 0.0F);
+  given.map.dimension_sigma.assign(10, 10, std::nanf(""));
+  given.map.flags.assign(10, 10, fractal::kNoiseLimited);
+  const auto law = WindowLaw().estimate(given.map, given.measured);
+  ASSERT_TRUE(law);
+  EXPECT_EQ(law->dimension, 2.05);
+  EXPECT_GT(law->amplitude_m, 0.0);
+  EXPECT_LT(law->amplitude_m, 2e-4);
+}
+
 TEST(WindowLaw, FollowingConvergesAndTakesSmallSteps) {
   fractal::FractalLaw law{2.2, 0.01};
   const fractal::FractalLaw seen{2.7, 1.0};
