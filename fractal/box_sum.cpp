@@ -38,8 +38,10 @@ void BoxSum::resize(int rows, int columns, int radius) {
   rows_ = rows;
   columns_ = columns;
   radius_ = radius;
-  plane_.assign(static_cast<std::size_t>(rows + 2 * radius) * static_cast<std::size_t>(columns), 0.0F);
-  line_.assign(static_cast<std::size_t>(columns + 2 * radius), 0.0F);
+  plane_.assign(
+      (static_cast<std::size_t>(rows) + 2 * static_cast<std::size_t>(radius)) * static_cast<std::size_t>(columns),
+      0.0F);
+  line_.assign(static_cast<std::size_t>(columns) + 2 * static_cast<std::size_t>(radius), 0.0F);
   sums_.assign(rows, columns, 0.0F);
 }
 

@@ -79,7 +79,7 @@ struct Fitter {
 
   /// Gains of one parameter, bilinear between the four nodes around (H, log ρ), times the residual.
   SCREE_INLINE float change(Row row, const Bracket& h, const Bracket& t) const {
-    const auto* node = gains + h.node * DimensionTables::kNoiseNodes + t.node;
+    const auto* node = gains + static_cast<std::ptrdiff_t>(h.node) * DimensionTables::kNoiseNodes + t.node;
     Lanes low, high, blend;
     load(node->*row, low);
     load((node + DimensionTables::kNoiseNodes)->*row, high);
@@ -107,7 +107,7 @@ struct Fitter {
     Lanes form = {};
     for (int c = 0; c < kClassCount; ++c) {  // by columns: the matrix is symmetric
       Lanes column;
-      std::memcpy(&column, weight.data() + c * kClassCount, sizeof column);
+      std::memcpy(&column, weight.data() + static_cast<std::ptrdiff_t>(c) * kClassCount, sizeof column);
       form += residual[c] * column;
     }
     return sum(form * residual);

@@ -41,7 +41,8 @@ struct DimensionTables {
     std::array<float, kClassCount> hurst, log_e, log_e_alone;
     float sigma_hurst;
   };
-  using Weight = std::array<float, kClassCount * kClassCount>;  ///< inverse covariance of d, for a window of one cell
+  using Weight = std::array<float, static_cast<std::size_t>(kClassCount) *
+                                       kClassCount>;  ///< inverse covariance of d, for a window of one cell
 
   std::vector<VarianceNode> variances;  ///< kVarianceNodes
   std::vector<Gains> gains;             ///< [nugget][fill][hurst][noise]
@@ -55,8 +56,8 @@ struct DimensionTables {
     return kMinHurst + (kMaxHurst - kMinHurst) * variance_node / (kVarianceNodes - 1);
   }
   static std::size_t index(int nugget, int fill, int hurst, int noise) {
-    const int table = nugget * static_cast<int>(kFills.size()) + fill;
-    return static_cast<std::size_t>((table * kHurstNodes + hurst) * kNoiseNodes + noise);
+    const auto n = [](int i) { return static_cast<std::size_t>(i); };
+    return ((n(nugget) * kFills.size() + n(fill)) * n(kHurstNodes) + n(hurst)) * n(kNoiseNodes) + n(noise);
   }
 };
 
