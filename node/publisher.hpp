@@ -47,7 +47,7 @@ class Publisher {
   ~Publisher();
 
   /// The newest map; what of older ones was not sent yet is superseded, no change is lost. The tiles are cut here: the
-  /// snapshot is not held. Cost: about 15 ns per cell. Null is ignored.
+  /// snapshot is not held. Cost: about 45 ns per cell (measured: 1.8 ms for 200 × 200). Null is ignored.
   void submit(std::shared_ptr<const mapping::MapSnapshot> snapshot);
 
   /// Sends what is due within the pacing; returns how long until something is due again. Never blocks. `now` must not

@@ -33,7 +33,7 @@ class TileBook {
  public:
   /// Cuts the snapshot into tiles. A unit whose quantised content changed, or that is new in the window, gets the
   /// snapshot's revision and becomes pending; one that is pending already keeps its place. Tiles that left the window
-  /// are forgotten. Cost: about 3 ns per cell and layer.
+  /// are forgotten. Cost: about 9 ns per cell and layer.
   void update(const mapping::MapSnapshot& snapshot);
 
   bool has_pending() const { return !pending_.empty(); }
