@@ -36,6 +36,10 @@ double FractalLaw::rms_change_m(double lag_m) const {
   return amplitude_m * std::pow(lag_m, hurst());
 }
 
+double FractalLaw::rms_bend_m(double lag_m) const {
+  return std::sqrt(4.0 - std::pow(4.0, hurst())) * rms_change_m(lag_m);
+}
+
 Result<Grid<float>> fbm_surface(const FractalLaw& law, int rows, int columns, double cell_m, std::uint64_t seed) {
   if (Status status = check(law, rows, columns, cell_m); !status) return status.error();
   const double hurst = law.hurst();

@@ -16,6 +16,10 @@ struct FractalLaw {
   double hurst() const { return 3.0 - dimension; }
   /// rms height change at `lag_m` metres
   double rms_change_m(double lag_m) const;
+  /// rms second difference z(p + r) − 2 z(p) + z(p − r) over r = `lag_m` metres: √(4 − 4^H) times the rms change. A
+  /// plane adds nothing to it, and it is what second-difference estimators measure: where H nears 1 and the amplitude
+  /// grows without bound, this stays put.
+  double rms_bend_m(double lag_m) const;
 };
 
 /// Exact fBm on a rows × columns lattice of pitch `cell_m` by Stein's intrinsic circulant embedding, float32 metres,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "mapping/snapshot.hpp"
 
@@ -12,6 +13,17 @@ namespace {
 // A wheel or the belly meets the worst of many height changes: they are judged at two standard deviations. The track
 // spans one, and the slope already holds the ground's measured tilt: one deviation.
 constexpr double kDeviations = 2.0;
+
+/// rms height change over `lag_m` that no plane explains (the slope is a hazard of its own): the second difference over
+/// the lag in units of what white heights would show, √3 times their rms change.
+double relief_m(const fractal::FractalLaw& law, double lag_m) {
+  return law.rms_bend_m(lag_m) / std::numbers::sqrt3;
+}
+
+/// rms height of the ground under the middle of a span of `length_m` above the line between its ends.
+double crown_m(const fractal::FractalLaw& law, double length_m) {
+  return 0.5 * law.rms_bend_m(0.5 * length_m);
+}
 
 double combined(const Hazards& h) {
   double ease = 1.0;
@@ -27,9 +39,9 @@ Hazards hazards(const GroundShape& ground, const VehicleConfig& vehicle) {
   h.step = static_cast<double>(ground.step_m) / vehicle.max_step_m;
   if (!ground.roughness) return h;
   const fractal::FractalLaw& law = *ground.roughness;
-  h.roughness = kDeviations * law.rms_change_m(vehicle.wheel_radius_m) / vehicle.max_step_m;
-  h.roll = std::atan(law.rms_change_m(vehicle.track_m) / vehicle.track_m) / vehicle.max_roll_rad;
-  h.clearance = kDeviations * law.rms_change_m(0.5 * vehicle.wheelbase_m) / vehicle.clearance_m;
+  h.roughness = kDeviations * relief_m(law, vehicle.wheel_radius_m) / vehicle.max_step_m;
+  h.roll = std::atan(relief_m(law, vehicle.track_m) / vehicle.track_m) / vehicle.max_roll_rad;
+  h.clearance = kDeviations * crown_m(law, vehicle.wheelbase_m) / vehicle.clearance_m;
   return h;
 }
 

@@ -26,9 +26,9 @@ struct GroundShape {
 struct Hazards {
   double slope = 0.0;      ///< slope / min(max_pitch, max_roll): the heading is not known
   double step = 0.0;       ///< step / max_step
-  double roughness = 0.0;  ///< twice the rms change over a wheel radius / max_step
-  double roll = 0.0;       ///< rms change over the track, as an angle / max_roll
-  double clearance = 0.0;  ///< twice the rms change over half a wheelbase / clearance
+  double roughness = 0.0;  ///< twice the rms relief over a wheel radius / max_step
+  double roll = 0.0;       ///< rms relief over the track, as an angle / max_roll
+  double clearance = 0.0;  ///< twice the rms crown of the ground between the axles / clearance
 };
 Hazards hazards(const GroundShape& ground, const VehicleConfig& vehicle);
 

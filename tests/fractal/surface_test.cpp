@@ -104,6 +104,30 @@ TEST(FbmSurface, EnsembleStructureFunctionIsThePowerLaw) {
   }
 }
 
+// n = 60 surfaces for each of 3 D, 2 lags; 4 s.e. of the surfaces' own spread: false-alarm rate 6 · 1.8e-4.
+TEST(FbmSurface, BendIsTheRmsSecondDifference) {
+  constexpr int kSurfaces = 60, kSide = 65;
+  for (const double dimension : {2.1, 2.5, 2.9})
+    for (const int lag : {1, 5}) {
+      const FractalLaw law{dimension, 0.2};
+      double sum = 0.0, sum2 = 0.0;
+      for (int i = 0; i < kSurfaces; ++i) {
+        const auto z = fbm_surface(law, kSide, kSide, 0.1, 5000 + static_cast<std::uint64_t>(i));
+        ASSERT_TRUE(z);
+        double energy = 0.0;
+        for (int r = 0; r < kSide; ++r)
+          for (int c = lag; c + lag < kSide; ++c)
+            energy += std::pow((*z)(r, c + lag) - 2.0F * (*z)(r, c) + (*z)(r, c - lag), 2);
+        const double ratio = energy / (kSide * (kSide - 2 * lag)) / std::pow(law.rms_bend_m(0.1 * lag), 2);
+        sum += ratio;
+        sum2 += ratio * ratio;
+      }
+      const double mean = sum / kSurfaces;
+      const double error = std::sqrt((sum2 / kSurfaces - mean * mean) / (kSurfaces - 1));
+      EXPECT_LT(std::abs(mean - 1.0), 4.0 * error) << "D = " << dimension << " lag " << lag << " mean " << mean;
+    }
+}
+
 // The rms change at 1 m is amplitude_m whatever the cell; n = 80 surfaces a cell size, 4 s.e. of each, false-alarm
 // rate 3 · 1.5e-4.
 TEST(FbmSurface, AmplitudeIsTheRmsChangeAtOneMetre) {

@@ -44,8 +44,23 @@ TEST(Cost, IsLethalFromTheVehiclesLimitsOn) {
 TEST(Cost, LowBellyIsStoppedByRoughnessThatTheWheelsBear) {
   VehicleConfig vehicle;
   EXPECT_LE(cell_cost(ground(0, 0, 0.08), vehicle), kCostMax);
-  vehicle.clearance_m = 0.05;
+  vehicle.clearance_m = 0.04;
   EXPECT_EQ(cell_cost(ground(0, 0, 0.08), vehicle), kCostLethal);
+}
+
+// Near D = 2 the surface is a bundle of planes: a large amplitude at 1 m is slope, which is judged as such, not relief.
+TEST(Cost, PlanesAreNotRough) {
+  const GroundShape smooth{CellState::measured, 0.0F, 0.0F, fractal::FractalLaw{2.0 + 1e-9, 0.3}};
+  const Hazards h = hazards(smooth, {});
+  EXPECT_LT(h.roughness, 1e-3);
+  EXPECT_LT(h.roll, 1e-3);
+  EXPECT_LT(h.clearance, 1e-3);
+}
+
+TEST(Cost, WhiteHeightsAreJudgedByTheirRmsChange) {
+  const VehicleConfig vehicle;
+  const GroundShape white{CellState::measured, 0.0F, 0.0F, fractal::FractalLaw{3.0, 0.03}};
+  EXPECT_NEAR(hazards(white, vehicle).roughness, 2.0 * 0.03 / vehicle.max_step_m, 1e-12);
 }
 
 TEST(Cost, UnseenGroundIsUnknownAndAPossibleDropIsLethal) {
