@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 #include <vector>
 
@@ -93,7 +94,7 @@ Status check_picture_path(const std::filesystem::path& path) {
 }
 
 Status write_snapshot_picture(const std::filesystem::path& path, const mapping::MapSnapshot& map,
-                              const std::string& source) {
+                              const std::string& source, RobotPlace place) {
   const auto layers = map_layers(map);
   std::vector<io::PicturePanel> panels;
   for (const char* name : {"elevation", "dimension", "cost"}) {
@@ -104,7 +105,8 @@ Status write_snapshot_picture(const std::filesystem::path& path, const mapping::
   const Eigen::Vector3d robot_m = map.T_map_body.translation_m;
   const Eigen::Vector3d ahead = map.T_map_body.rotation * Eigen::Vector3d::UnitX();
   const io::PictureFrame frame{map.window.min.x * map.cell_m, map.window.min.y * map.cell_m, map.cell_m};
-  const io::RobotMark robot{robot_m.x(), robot_m.y(), std::atan2(ahead.y(), ahead.x())};
+  std::optional<io::RobotMark> robot;
+  if (place == RobotPlace::known) robot = {robot_m.x(), robot_m.y(), std::atan2(ahead.y(), ahead.x())};
   const std::string caption = fmt::format("{}   {:.4g} m cells, {} × {}, {} measured   revision {}", source, map.cell_m,
                                           map.window.columns, map.window.rows, map.measured_cells(), map.revision);
   return io::write_map_picture(path, panels, frame, robot, caption);

@@ -29,9 +29,11 @@ class MapOutput {
 /// Makes sure that `path` can be created, without leaving anything behind. Errors: cannot_create.
 Status check_creatable(const std::filesystem::path& path);
 
+enum class RobotPlace { known, unknown };  ///< unknown: a received map, whose T_map_body says nothing
+
 /// The picture of a map: elevation, D and cost side by side. `source` says where it comes from ("REPLAY", a path).
 Status write_snapshot_picture(const std::filesystem::path& path, const mapping::MapSnapshot& map,
-                              const std::string& source);
+                              const std::string& source, RobotPlace place);
 /// Errors: usage (not .png, or a build without pictures), cannot_create.
 Status check_picture_path(const std::filesystem::path& path);
 

@@ -80,7 +80,8 @@ Status write_outputs(const ListenOptions& options, const std::optional<MapOutput
   }
   if (!options.output.snapshot) return {};
   const auto source = fmt::format("{} received at {}", origin_name(listener.origin()), options.address);
-  if (auto written = write_snapshot_picture(*options.output.snapshot, *map, source); !written) return written;
+  if (auto written = write_snapshot_picture(*options.output.snapshot, *map, source, RobotPlace::unknown); !written)
+    return written;
   spdlog::info("picture: {}", *options.output.snapshot);
   return {};
 }

@@ -23,7 +23,8 @@ Status write_outputs(const OutputOptions& options, const std::optional<MapOutput
     if (auto written = map_output->write(*outcome.map, json); !written) return written;
   }
   if (outcome.map != nullptr && options.snapshot) {
-    if (auto written = write_snapshot_picture(*options.snapshot, *outcome.map, source); !written) return written;
+    if (auto written = write_snapshot_picture(*options.snapshot, *outcome.map, source, RobotPlace::known); !written)
+      return written;
     spdlog::info("picture: {}", *options.snapshot);
   }
   if (options.json) std::printf("%s\n", json.c_str());
