@@ -126,6 +126,11 @@ void add_perceptron_keys(Schema<Params>& schema) {
       "Bit where the reflectance starts in a word; the range does not depend on it.");
   schema.keys.push_back(only_for({Kind::perceptron_usf, Kind::perceptron_cmu}, std::move(shift)));
   schema.keys.push_back(
+      only_for({Kind::perceptron_usf}, flag<Params>(
+                                           "lenient", [](Params& p) -> bool& { return p.lenient; },
+                                           "Take a payload that lies at the end of the file behind up to 4096 bytes of "
+                                           "surplus text, with a warning.")));
+  schema.keys.push_back(
       only_for({Kind::perceptron_usf}, number<Params>(
                                            "unit_m", [](Params& p) -> double& { return p.unit_m; }, {0, 10, true},
                                            "Metres per length unit of the published constants.")));

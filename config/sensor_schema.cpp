@@ -76,6 +76,24 @@ Key<SensorConfig> self_mask() {
   return key;
 }
 
+void add_phase_evidence(Schema<FilterConfig>& schema) {
+  schema.keys.push_back(number<FilterConfig>(
+      "anchor_slope_rad", [](FilterConfig& f) -> double& { return f.anchor_slope_rad; }, {0, 1.5, false},
+      "Evidence for a phase interval: near ground lies within anchor_height_m plus this slope of the body's z = 0."));
+  schema.keys.push_back(number<FilterConfig>(
+      "anchor_height_m", [](FilterConfig& f) -> double& { return f.anchor_height_m; }, {0, 100, false},
+      "See anchor_slope_rad."));
+  schema.keys.push_back(number<FilterConfig>(
+      "map_gate_sigmas", [](FilterConfig& f) -> double& { return f.map_gate_sigmas; }, {0, 100, true},
+      "Evidence for a phase interval: heights agree with the map within this many standard deviations plus "
+      "map_gate_m."));
+  schema.keys.push_back(number<FilterConfig>(
+      "map_gate_m", [](FilterConfig& f) -> double& { return f.map_gate_m; }, {0, 100, false}, "See map_gate_sigmas."));
+  schema.keys.push_back(integer<FilterConfig, int>(
+      "anchor_min_pixels", [](FilterConfig& f) -> int& { return f.anchor_min_pixels; }, {1, 1e6, false},
+      "Agreeing pixels without which a surface gets no interval."));
+}
+
 Schema<FilterConfig> filter_schema() {
   Schema<FilterConfig> schema;
   schema.keys.push_back(integer<FilterConfig, int>(
@@ -90,6 +108,10 @@ Schema<FilterConfig> filter_schema() {
   schema.keys.push_back(flag<FilterConfig>(
       "mixed_pixels", [](FilterConfig& f) -> bool& { return f.mixed_pixels; },
       "Drop returns that hang between two surfaces."));
+  schema.keys.push_back(number<FilterConfig>(
+      "grazing_rad", [](FilterConfig& f) -> double& { return f.grazing_rad; }, {0, 1.5, false},
+      "A ray that meets the chord to a neighbour at less than this grazes it; grazing on both sides is a mixed "
+      "pixel."));
   schema.keys.push_back(choice<FilterConfig, PhasePolicy>(
       "phase", [](FilterConfig& f) -> PhasePolicy& { return f.phase; },
       {{"resolve", PhasePolicy::resolve}, {"first_interval", PhasePolicy::first_interval}},
@@ -98,6 +120,7 @@ Schema<FilterConfig> filter_schema() {
   schema.keys.push_back(integer<FilterConfig, int>(
       "max_wraps", [](FilterConfig& f) -> int& { return f.max_wraps; }, {0, 16, false},
       "Phase intervals considered beyond the first."));
+  add_phase_evidence(schema);
   return schema;
 }
 

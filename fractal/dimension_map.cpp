@@ -172,6 +172,7 @@ void DimensionMapper::Tables::estimate(const DimensionTables& tables, std::size_
 DimensionMapper::DimensionMapper(const DimensionMapConfig& config) : tables_(std::make_unique<Tables>()) {
   tables_->config = config;
   tables_->log_cell = static_cast<float>(std::log(config.cell_m));
+  dimension_tables(Support::block);  // 0.2 s that the first frame of a live map need not wait for
 }
 DimensionMapper::~DimensionMapper() = default;
 DimensionMapper::DimensionMapper(DimensionMapper&&) noexcept = default;

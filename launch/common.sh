@@ -15,14 +15,18 @@ if [ ! -x "$scree" ]; then
 fi
 config_dir=$root/config
 
-# start_listener PICTURE: a listener in the background that takes the picture; waits until it listens.
+# start_listener PICTURE: a listener in the background that takes the picture; waits until it listens, and sets `address`
+# to where (port 0 asks for any free one).
 start_listener() {
   listener_log=$(mktemp)
   "$scree" listen --address "$address" --snapshot "$1" --duration "${limit_s:-600}" 2>"$listener_log" &
   listener=$!
   trap 'kill "$listener" 2>/dev/null || true; rm -f "$listener_log"' EXIT
   for _ in $(seq 100); do
-    grep -q "listening at" "$listener_log" && return
+    if grep -q "listening at" "$listener_log"; then
+      address=$(sed -n 's/.*listening at //p' "$listener_log" | head -n 1)
+      return
+    fi
     kill -0 "$listener" 2>/dev/null || break
     sleep 0.05
   done

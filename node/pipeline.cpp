@@ -90,6 +90,7 @@ Result<bool> Pipeline::acquire_event(const std::stop_token& stop) {
       count_skipped(event->message);
       return true;
     case drivers::SourceEvent::Kind::frame:
+      if (!event->message.empty()) spdlog::warn("frame taken: {}", event->message);
       return deliver(std::move(event->frame), stop);
     case drivers::SourceEvent::Kind::end_of_stream:
       return restart_source();

@@ -86,7 +86,7 @@ Status write_outputs(const ListenOptions& options, const std::optional<MapOutput
   return {};
 }
 
-Result<int> run_listen(const ListenOptions& options) {
+Result<int> run_listen(ListenOptions options) {
   auto origins = parse_origins(options.accept);
   if (!origins) return origins.error();
   const auto duration = parse_duration(options.duration);
@@ -104,6 +104,7 @@ Result<int> run_listen(const ListenOptions& options) {
   SignalWatch signals;
   auto listener = Listener::open(options.address, *std::move(origins));
   if (!listener) return listener.error();
+  options.address.replace(options.address.rfind(':') + 1, std::string::npos, std::to_string((*listener)->port()));
   spdlog::info("listening at {}", options.address);
   if (const auto received = receive(**listener, signals, *duration); !received) return received.error();
   signals.release();
