@@ -63,7 +63,7 @@ FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, Ma
   if (innovation_m * innovation_m <= gate * gate * (stored_m2 + frame_m2)) {
     average(frame, stored_m2, frame_m2, cell);
     counts.fused = hits;
-  } else if (++cell.contradictions >= kFramesToReplace) {
+  } else if (++cell.contradictions >= kFramesToReplace || frame.hits >= kReturnsToReplace * cell.hits) {
     replace(frame, cell);
     counts.fused = hits;
   } else {

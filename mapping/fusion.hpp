@@ -21,6 +21,9 @@ struct FusionCounts {
 
 /// A stored height that frames contradict this many times in a row is replaced by what they say.
 inline constexpr int kFramesToReplace = 3;
+/// One frame is enough when it has this many times the returns that the stored height rests on: a few mixed pixels that
+/// hung in the shadow of an edge must not outvote the ground once it is seen from near, which may be in one frame only.
+inline constexpr int kReturnsToReplace = 4;
 
 /// Folds one cell's returns of one frame (heights in the map frame) into the stored cell. Heights that agree within
 /// `outlier_sigmas` are averaged with weights 1/variance; the noise of the result is propagated, `hits` adds up and the

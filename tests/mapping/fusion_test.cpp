@@ -88,6 +88,16 @@ TEST(Fusion, PersistentContradictionReplacesTheHeightWithinAFewFrames) {
   EXPECT_FLOAT_EQ(cell.height_m, 0.0F);
 }
 
+TEST(Fusion, FewReturnsDoNotOutvoteOneFrameOfMany) {
+  MapCell cell;
+  fuse_cell(flat(0.3F, 2), GroundConfig{}, cell);  // mixed pixels that hang in the shadow of an edge
+  const FusionCounts counts = fuse_cell(flat(0.0F, 2 * kReturnsToReplace), GroundConfig{}, cell);
+  EXPECT_EQ(counts.fused, 2U * kReturnsToReplace);
+  EXPECT_FLOAT_EQ(cell.height_m, 0.0F);
+  fuse_cell(flat(0.3F, 2 * kReturnsToReplace), GroundConfig{}, cell);  // and not the other way round
+  EXPECT_FLOAT_EQ(cell.height_m, 0.0F);
+}
+
 TEST(Fusion, OverhangSeenLaterNeverReplacesTheGround) {
   MapCell cell;
   fuse_cell(flat(0.0F), GroundConfig{}, cell);
