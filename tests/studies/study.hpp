@@ -1,0 +1,74 @@
+#pragma once
+// What the studies share: a run of the binary that must succeed, the map that it wrote, sums of deviations.
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/cell_state.hpp"
+#include "core/grid.hpp"
+#include "core/result.hpp"
+#include "io/npy.hpp"
+#include "tests/support/process.hpp"
+
+namespace scree::study {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] inline void fail(const std::string& message) {
+  std::fprintf(stderr, "study: %s\n", message.c_str());
+  std::exit(1);
+}
+
+template <class T>
+T must(Result<T> result) {
+  if (!result) fail(result.error().message);
+  return *std::move(result);
+}
+
+/// stdout of a command that must end with 0.
+inline std::string must_run(std::vector<std::string> command) {
+  const std::string name = command.size() > 1 ? command[1] : command[0];
+  const test::Finished finished = test::run(std::move(command), std::chrono::minutes(8));
+  if (finished.exit_code != 0) fail(name + " ended with " + std::to_string(finished.exit_code) + "\n" + finished.err);
+  return finished.out;
+}
+
+struct Map {
+  Grid<float> elevation_m, state;
+  double cell_m = 0.0, x_min_m = 0.0, y_min_m = 0.0;
+  bool measured(int row, int column) const { return state(row, column) == static_cast<float>(CellState::measured); }
+};
+
+/// The layers that `--map-out BASE.npy` wrote.
+inline Map read_map(const fs::path& base) {
+  const auto layer = [&](const char* name) { return must(io::read_npy(base.string() + "." + name + ".npy")); };
+  Map map{layer("elevation"), layer("cell_state")};
+  const auto json = nlohmann::json::parse(std::ifstream(base.string() + ".json"));
+  map.cell_m = json.at("cell_m");
+  map.x_min_m = json.at("x_min_m");
+  map.y_min_m = json.at("y_min_m");
+  return map;
+}
+
+struct Deviation {
+  std::size_t n = 0;
+  double sum = 0.0, sum2 = 0.0, largest = 0.0;
+  void add(double e) {
+    ++n;
+    sum += e;
+    sum2 += e * e;
+    largest = std::max(largest, std::abs(e));
+  }
+  double rmse() const { return n > 0 ? std::sqrt(sum2 / static_cast<double>(n)) : std::nan(""); }
+  double bias() const { return n > 0 ? sum / static_cast<double>(n) : std::nan(""); }
+};
+
+}  // namespace scree::study
