@@ -53,12 +53,13 @@ SensorConfig default_sensor(RangeFileLayout layout) {
 }  // namespace
 
 Result<std::unique_ptr<Source>> open_recording(const std::filesystem::path& directory, RecordingDescription description,
-                                               ReplayWindow window) {
+                                               ReplayWindow window, RecordedPoses recorded_poses) {
   if (const auto there = check_directory(directory); !there) return there.error();
   auto frames = read_frames(directory, "frames");
   if (!frames) return frames.error();
   if (const auto there = check_directory(directory / "frames"); !there) return there.error();
-  auto poses = read_pose_track(directory / "poses.csv");
+  auto poses = recorded_poses == RecordedPoses::needed ? read_pose_track(directory / "poses.csv")
+                                                       : PoseTrack::make({StampedPose{}});
   if (!poses) return poses.error();
   return make_file_source({directory.string(), std::move(*frames), std::move(*poses), std::move(description.sensor)},
                           window);

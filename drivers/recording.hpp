@@ -2,6 +2,7 @@
 // Recordings on disk: the directory format of Scree, KITTI odometry, PCD directories and single range files.
 // recording.yaml itself is read by config/ (YAML is parsed in one place) and arrives here as a RecordingDescription.
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 
@@ -22,11 +23,16 @@ struct ReplayWindow {
   std::optional<Duration> duration;  ///< stop after this much data time
 };
 
+enum class RecordedPoses : std::uint8_t {
+  needed,
+  ignored,  ///< poses.csv is not read and need not exist; every frame has the identity
+};
+
 /// frames.csv, frames/ and poses.csv beside `description`. Errors: no_input (a missing file), bad_data (a table that
 /// cannot be read, poses that cover no frame). One bad frame is Kind::skipped; no good frame at all is the error
 /// bad_data at the end of the stream.
 Result<std::unique_ptr<Source>> open_recording(const std::filesystem::path& directory, RecordingDescription description,
-                                               ReplayWindow window);
+                                               ReplayWindow window, RecordedPoses poses = RecordedPoses::needed);
 
 /// KITTI odometry layout: velodyne/*.bin, times.txt, poses.txt with calib.txt (camera poses, Tr).
 Result<std::unique_ptr<Source>> open_kitti(const std::filesystem::path& directory, const SensorConfig& sensor,

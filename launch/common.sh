@@ -16,13 +16,22 @@ if [ ! -x "$scree" ]; then
 fi
 config_dir=$root/config
 
+listener=
+listener_log=
+temporary=  # a directory that a launch file may set
+clean_up() {
+  [ -z "$listener" ] || kill "$listener" 2>/dev/null || true
+  [ -z "$listener_log" ] || rm -f "$listener_log"
+  [ -z "$temporary" ] || rm -rf "$temporary"
+}
+trap clean_up EXIT
+
 # start_listener PICTURE: a listener in the background that takes the picture; waits until it listens, and sets `address`
 # to where (port 0 asks for any free one).
 start_listener() {
   listener_log=$(mktemp)
   "$scree" listen --address "$address" --snapshot "$1" --duration "${limit_s:-600}" 2>"$listener_log" &
   listener=$!
-  trap 'kill "$listener" 2>/dev/null || true; rm -f "$listener_log"' EXIT
   for _ in $(seq 100); do
     if grep -q "listening at" "$listener_log"; then
       address=$(sed -n 's/.*listening at //p' "$listener_log" | head -n 1)
@@ -37,9 +46,10 @@ start_listener() {
 
 # finish_listener PICTURE: it ends by itself at the node's BYE.
 finish_listener() {
-  wait "$listener" || { local code=$?; cat "$listener_log" >&2; exit "$code"; }
+  local code=0
+  wait "$listener" || code=$?
+  listener=
   cat "$listener_log" >&2
-  rm -f "$listener_log"
-  trap - EXIT
+  [ "$code" -eq 0 ] || exit "$code"
   echo "$1"
 }

@@ -25,7 +25,6 @@ if [ $# -gt 0 ] && [ "$1" != -- ]; then picture=$(realpath -m "$1"); shift; fi
 [ "${1:-}" = -- ] && shift
 address=${SCREE_ADDRESS:-127.0.0.1:47800}
 
-temporary=
 recording=${SCREE_RECORDING:-}
 if [ -z "$recording" ]; then
   temporary=$(mktemp -d)
@@ -40,4 +39,3 @@ fi
 start_listener "$picture"
 "$scree" replay "$recording" --rate max --config "$config_dir/demo.yaml" --set "publish.destination=$address" "$@"
 finish_listener "$picture"
-[ -z "$temporary" ] || rm -rf "$temporary"

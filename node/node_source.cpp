@@ -22,7 +22,9 @@ OpenedSource open_directory(const std::filesystem::path& directory, const driver
   auto sensor = config::effective_sensor(settings, description->sensor);
   if (!sensor) return sensor.error();
   description->sensor = *std::move(sensor);
-  return drivers::open_recording(directory, *std::move(description), window);
+  const auto poses = settings.pose.source == config::PoseSource::recording ? drivers::RecordedPoses::needed
+                                                                           : drivers::RecordedPoses::ignored;
+  return drivers::open_recording(directory, *std::move(description), window, poses);
 }
 
 /// A file's own default sensor is the driver's business, so single keys have nothing to override here.

@@ -47,6 +47,7 @@ Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> sourc
       poses_(make_poses(config_, *input_)),
       mapper_(config_.settings.map, pool_),
       publisher_(std::move(publisher)) {
+  last_frame_ = last_look_ = MonotonicClock::now();  // the sensor is not late for what was built until now
   for (int i = 1; i < pool_.threads(); ++i)
     workers_.emplace_back([this](const std::stop_token& stop) { pool_.work(stop); });
   publish_thread_ = std::jthread([this](const std::stop_token& stop) { publish(stop); });
@@ -196,12 +197,16 @@ void Pipeline::publish(const std::stop_token& stop) {
     }
     if ((map_ended_ && map_ == sent) || stop.stop_requested()) break;
   }
-  const auto reason = stop_.stop_requested() ? protocol::ByeReason::stopped : protocol::ByeReason::finished;
-  if (const auto ended = publisher_->finish(status(MonotonicClock::now()), reason); !ended) fail(ended.error());
+  if (const auto ended = publisher_->finish(status(MonotonicClock::now()), bye_reason()); !ended) fail(ended.error());
   copy_publisher_counters();
   const std::lock_guard lock(mutex_);
   finished_ = true;
   changed_.notify_all();
+}
+
+protocol::ByeReason Pipeline::bye_reason() const {
+  if (error()) return protocol::ByeReason::failed;  // also when the failure is what requested the stop
+  return stop_.stop_requested() ? protocol::ByeReason::stopped : protocol::ByeReason::finished;
 }
 
 void Pipeline::count_rejected() {

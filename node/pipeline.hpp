@@ -67,6 +67,7 @@ class Pipeline {
   void map_frame(const RangeFrame& frame, MonotonicTime taken, const std::stop_token& stop);
   void publish(const std::stop_token& stop);
   bool poses_come_by_udp() const { return config_.settings.pose.source == config::PoseSource::udp; }
+  protocol::ByeReason bye_reason() const;
   void count_rejected();
   void copy_publisher_counters();
   NodeStatus status(MonotonicTime now);

@@ -2,16 +2,13 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/integration/hand_made.hpp"
 #include "tests/integration/scree.hpp"
 
 namespace scree::test {
 namespace {
 
 using ::testing::HasSubstr;
-
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-}
 
 TEST(BadInput, UsageIs64) {
   EXPECT_EQ(scree({}).exit_code, 64);
