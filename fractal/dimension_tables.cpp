@@ -17,13 +17,13 @@ using ClassVector = Eigen::Matrix<double, kClassCount, 1>;
 /// and noise² so that (signal + ν·noise)² follows for every nugget ν, and kept apart by the number m of cells that the
 /// two increments share: when a cell is known with probability p, independently, both means together weigh such a pair
 /// with p^−m.
-constexpr int kMostShared = 4;
+constexpr std::size_t kSharedCounts = 5;  ///< m = 0 … 4
 struct EnergyCovariance {
-  std::array<ClassMatrix, kMostShared + 1> signal2, signal_noise, noise2;
+  std::array<ClassMatrix, kSharedCounts> signal2, signal_noise, noise2;
 
   ClassMatrix at(double nu, double fill) const {
     ClassMatrix sum = ClassMatrix::Zero();
-    for (std::size_t m = 0; m <= kMostShared; ++m)
+    for (std::size_t m = 0; m < kSharedCounts; ++m)
       sum += std::pow(fill, -static_cast<double>(m)) * (signal2[m] + 2.0 * nu * signal_noise[m] + nu * nu * noise2[m]);
     return sum;
   }
@@ -59,7 +59,7 @@ int shared_cells(const Increment& p, const Increment& q, int ox, int oy) {
   return shared;
 }
 
-using PairSums = std::array<std::array<double, 3>, kMostShared + 1>;
+using PairSums = std::array<std::array<double, 3>, kSharedCounts>;
 
 void add_pair(const Kernel& kernel, const Increment& p, const Increment& q, PairSums& sums) {
   const auto weights = cross_weights(p, q);
@@ -88,7 +88,7 @@ EnergyCovariance energy_covariance(const Kernel& kernel) {
       for (const auto& p : first.increments())
         for (const auto& q : second.increments()) add_pair(kernel, p, q, sums);
       const double scale = 2.0 / (first.multiplicity() * second.multiplicity());
-      for (std::size_t m = 0; m <= kMostShared; ++m) {
+      for (std::size_t m = 0; m < kSharedCounts; ++m) {
         result.signal2[m](c, d) = result.signal2[m](d, c) = scale * sums[m][0];
         result.signal_noise[m](c, d) = result.signal_noise[m](d, c) = scale * sums[m][1];
         result.noise2[m](c, d) = result.noise2[m](d, c) = scale * sums[m][2];

@@ -160,6 +160,7 @@ void Pipeline::map_frame(const RangeFrame& frame, MonotonicTime taken, const std
   statistics_.points_fused += report->points_fused;
   statistics_.points_outside += report->points_outside;
   statistics_.points_outlier += report->points_outlier;
+  statistics_.points_other_surface += report->points_other_surface;
   statistics_.cells_measured = measured;
   latency_.add(MonotonicClock::now() - taken);
   map_ = std::move(snapshot);

@@ -45,6 +45,7 @@ std::string to_json(const Statistics& s) {
       {"points_fused", s.points_fused},
       {"points_outside", s.points_outside},
       {"points_outlier", s.points_outlier},
+      {"points_other_surface", s.points_other_surface},
       {"cells_measured", s.cells_measured},
       {"latency_ms", {{"p50", to_ms(s.latency_p50)}, {"p99", to_ms(s.latency_p99)}, {"max", to_ms(s.latency_max)}}},
       {"datagrams", s.datagrams},

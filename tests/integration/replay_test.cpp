@@ -52,6 +52,10 @@ TEST(Replay, CountsEveryFrameAndPixel) {
     sum += pixels[part].get<std::uint64_t>();
   EXPECT_EQ(sum, pixels["pixels"].get<std::uint64_t>());
   EXPECT_EQ(pixels["pixels"], 7 * 256 * 256);
+  std::uint64_t points = 0;
+  for (const char* part : {"points_fused", "points_outside", "points_outlier", "points_other_surface"})
+    points += statistics[part].get<std::uint64_t>();
+  EXPECT_EQ(points, statistics["points"].get<std::uint64_t>());
 }
 
 TEST(Replay, ListenerReceivesTheWholeMap) {
