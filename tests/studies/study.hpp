@@ -1,6 +1,7 @@
 #pragma once
 // What the studies share: a run of the binary that must succeed, the map that it wrote, sums of deviations.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -58,17 +59,34 @@ inline Map read_map(const fs::path& base) {
   return map;
 }
 
+/// Signed errors; every figure of none of them is NaN.
 struct Deviation {
-  std::size_t n = 0;
-  double sum = 0.0, sum2 = 0.0, largest = 0.0;
-  void add(double e) {
-    ++n;
-    sum += e;
-    sum2 += e * e;
-    largest = std::max(largest, std::abs(e));
+  std::vector<double> errors;
+  void add(double error) { errors.push_back(error); }
+  std::size_t n() const { return errors.size(); }
+  double bias() const {
+    double sum = 0.0;
+    for (const double e : errors) sum += e;
+    return sum / static_cast<double>(n());
   }
-  double rmse() const { return n > 0 ? std::sqrt(sum2 / static_cast<double>(n)) : std::nan(""); }
-  double bias() const { return n > 0 ? sum / static_cast<double>(n) : std::nan(""); }
+  double rmse() const {
+    double sum = 0.0;
+    for (const double e : errors) sum += e * e;
+    return std::sqrt(sum / static_cast<double>(n()));
+  }
+  /// The size that a share q of the errors stays within.
+  double within(double q) const {
+    if (errors.empty()) return std::nan("");
+    std::vector<double> sizes;
+    for (const double e : errors) sizes.push_back(std::abs(e));
+    const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(sizes.size() - 1) + 0.5);
+    std::nth_element(sizes.begin(), at, sizes.end());
+    return *at;
+  }
+  std::size_t beyond(double limit) const {
+    return static_cast<std::size_t>(
+        std::count_if(errors.begin(), errors.end(), [limit](double e) { return std::abs(e) > limit; }));
+  }
 };
 
 }  // namespace scree::study

@@ -20,8 +20,7 @@ void print(const std::string& name, const nlohmann::json& node, const Map& map,
     if (p.allFinite() && cells.contains(row, column)) cells(row, column).add(p.z());
   }
   std::size_t measured = 0, beside = 0, sky = 0;
-  Deviation all, flat, median_of;
-  std::vector<double> sizes;
+  Deviation all, flat;
   for (int row = 0; row < cells.rows(); ++row)
     for (int column = 0; column < cells.columns(); ++column) {
       if (!map.measured(row, column)) continue;
@@ -33,15 +32,12 @@ void print(const std::string& name, const nlohmann::json& node, const Map& map,
       }
       const double error = map.elevation_m(row, column) - here.mean();
       all.add(error);
-      sizes.push_back(std::abs(error));
       if (here.flat()) flat.add(error);
     }
-  if (sizes.empty()) fail(name + ": no cell was measured where there is ground");
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
+  if (all.n() == 0) fail(name + ": no cell was measured where there is ground");
   std::printf("| %s | %zu | %zu | %.1f, %zu | %.1f (%+.1f), %zu | %.1f | %.0f | %zu, %zu |\n", name.c_str(),
-              node.at("points").get<std::size_t>(), measured, 1e3 * all.rmse(), all.n, 1e3 * flat.rmse(),
-              1e3 * flat.bias(), flat.n, 1e3 * *middle, 1e3 * all.largest, beside, sky);
+              node.at("points").get<std::size_t>(), measured, 1e3 * all.rmse(), all.n(), 1e3 * flat.rmse(),
+              1e3 * flat.bias(), flat.n(), 1e3 * all.within(0.5), 1e3 * all.within(1.0), beside, sky);
 }
 
 }  // namespace
