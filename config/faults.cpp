@@ -29,14 +29,22 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 void Faults::add(const Position& at, std::string_view key, std::string_view expected, std::string_view found) {
   const std::string where = at.line > 0 ? fmt::format("{}:{}:{}", at.name, at.line, at.column) : at.name;
-  add_message(fmt::format("{}: {}: expected {}, found {}", where, key, expected, found));
+  add_message(fmt::format("{}: {}: expected {}, found {}", where, key, expected, found), key);
 }
 
-void Faults::add_message(std::string message) {
+void Faults::add_message(std::string message, std::string_view key) {
+  keys_.emplace(key);
   if (full())
     ++unreported_;
   else
     messages_.push_back(std::move(message));
+}
+
+bool Faults::about(std::string_view key) const {
+  for (std::size_t dot = key.find('.'); dot != std::string_view::npos; dot = key.find('.', dot + 1)) {
+    if (keys_.contains(key.substr(0, dot))) return true;
+  }
+  return keys_.contains(key);
 }
 
 Error Faults::to_error(ErrorKind kind) const {

@@ -2,6 +2,8 @@
 // Every fault of a configuration, collected before any is reported.
 
 #include <cstddef>
+#include <functional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,9 +23,12 @@ class Faults {
  public:
   /// "file:line:column: key: expected …, found …"
   void add(const Position& at, std::string_view key, std::string_view expected, std::string_view found);
-  void add_message(std::string message);
+  /// A fault whose message is complete; `key` is what it is about.
+  void add_message(std::string message, std::string_view key);
 
   bool empty() const { return messages_.empty(); }
+  /// True when `key` or a section around it is faulty: its value is then not what the user meant.
+  bool about(std::string_view key) const;
   /// Enough were found to stop explaining: the rest is only counted.
   bool full() const { return messages_.size() >= kMaxReported; }
   /// One fault a line.
@@ -32,6 +37,7 @@ class Faults {
  private:
   static constexpr std::size_t kMaxReported = 100;
   std::vector<std::string> messages_;
+  std::set<std::string, std::less<>> keys_;
   std::size_t unreported_ = 0;
 };
 

@@ -22,7 +22,7 @@ Result<Settings> parse_settings(std::string_view text, const std::string& name,
   const auto keys = bind(schema, settings);
   read_tree(*root, name, keys, given, faults);
   for (const auto& assignment : assignments) read_assignment(assignment, keys, given, faults);
-  if (faults.empty()) check_rules(schema, settings, name, given, faults);
+  check_rules(schema, settings, name, given, faults);
   if (!faults.empty()) return faults.to_error(ErrorKind::bad_config);
   normalise(settings.pose.T_map_body);
   if (settings.sensor) normalise(settings.sensor->T_body_sensor);

@@ -183,25 +183,31 @@ void add_spherical_keys(Schema<Params>& schema) {
 }
 
 /// What a projection cannot do without.
-std::optional<Contradiction> check_required(const Params& p) {
-  if (p.kind == Kind::pinhole && !(p.fx_px > 0.0 && p.fy_px > 0.0))
-    return Contradiction{"parameters.fx_px and fy_px with projection pinhole",
-                         fmt::format("fx_px {}, fy_px {}", p.fx_px, p.fy_px)};
-  if (p.kind != Kind::spherical) return std::nullopt;
-  if (p.row_elevations_rad.empty() || p.column_azimuths_rad.empty() || p.range_per_count_m <= 0.0)
-    return Contradiction{
-        "parameters.row_elevations_rad, column_azimuths_rad and range_per_count_m with projection spherical",
-        fmt::format("{} elevations, {} azimuths, {} m per count", p.row_elevations_rad.size(),
-                    p.column_azimuths_rad.size(), p.range_per_count_m)};
-  const auto size_contradicts = [](int size, std::size_t given) {
-    return size != 0 && size != static_cast<int>(given);
+std::optional<Contradiction> check_pinhole(const Params& p) {
+  if (p.kind != Kind::pinhole || (p.fx_px > 0.0 && p.fy_px > 0.0)) return std::nullopt;
+  return Contradiction{"parameters.fx_px and fy_px with projection pinhole",
+                       fmt::format("fx_px {}, fy_px {}", p.fx_px, p.fy_px)};
+}
+
+std::optional<Contradiction> check_spherical(const Params& p) {
+  const bool whole = !p.row_elevations_rad.empty() && !p.column_azimuths_rad.empty() && p.range_per_count_m > 0.0;
+  if (p.kind != Kind::spherical || whole) return std::nullopt;
+  return Contradiction{
+      "parameters.row_elevations_rad, column_azimuths_rad and range_per_count_m with projection spherical",
+      fmt::format("{} elevations, {} azimuths, {} m per count", p.row_elevations_rad.size(),
+                  p.column_azimuths_rad.size(), p.range_per_count_m)};
+}
+
+std::optional<Contradiction> check_spherical_size(const Params& p) {
+  const auto contradicts = [](int size, std::size_t given) {
+    return size != 0 && given != 0 && size != static_cast<int>(given);
   };
-  if (size_contradicts(p.rows, p.row_elevations_rad.size()) ||
-      size_contradicts(p.columns, p.column_azimuths_rad.size()))
-    return Contradiction{"an elevation for each row and an azimuth for each column",
-                         fmt::format("{} × {} for {} × {} pixels", p.row_elevations_rad.size(),
-                                     p.column_azimuths_rad.size(), p.rows, p.columns)};
-  return std::nullopt;
+  if (p.kind != Kind::spherical) return std::nullopt;
+  if (!contradicts(p.rows, p.row_elevations_rad.size()) && !contradicts(p.columns, p.column_azimuths_rad.size()))
+    return std::nullopt;
+  return Contradiction{"an elevation for each row and an azimuth for each column",
+                       fmt::format("{} × {} for {} × {} pixels", p.row_elevations_rad.size(),
+                                   p.column_azimuths_rad.size(), p.rows, p.columns)};
 }
 
 }  // namespace
@@ -213,9 +219,9 @@ Schema<Params> parameter_schema() {
   add_range_keys(schema);
   add_pinhole_keys(schema);
   add_spherical_keys(schema);
-  schema.rules.push_back(
-      {{"fx_px", "fy_px", "row_elevations_rad", "column_azimuths_rad", "range_per_count_m", "rows", "columns"},
-       check_required});
+  schema.rules.push_back({{"fx_px", "fy_px"}, check_pinhole});
+  schema.rules.push_back({{"row_elevations_rad", "column_azimuths_rad", "range_per_count_m"}, check_spherical});
+  schema.rules.push_back({{"rows", "columns", "row_elevations_rad", "column_azimuths_rad"}, check_spherical_size});
   schema.rules.push_back(
       {{"trusted_rows", "rows"}, [](const Params& p) -> std::optional<Contradiction> {
          if (p.rows == 0 || p.trusted_rows <= p.rows) return std::nullopt;

@@ -43,7 +43,7 @@ Result<drivers::RecordingDescription> parse_recording(std::string_view text, con
   const auto keys = bind(schema, document);
   read_tree(*root, name, keys, given, faults);
   require_keys(*root, name, keys, given, faults);
-  if (faults.empty()) check_rules(schema, document, name, given, faults);
+  check_rules(schema, document, name, given, faults);
   if (!faults.empty()) return faults.to_error(ErrorKind::bad_data);
   normalise(document.recording.sensor.T_body_sensor);
   return std::move(document.recording);

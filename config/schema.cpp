@@ -128,7 +128,7 @@ void read_assignment(const std::string& assignment, const std::vector<BoundKey>&
   const std::string name = assignment.substr(0, equals);
   const auto value = parse_yaml(std::string_view(assignment).substr(equals + 1), "--set " + name);
   if (!value) {
-    faults.add_message(value.error().message);
+    faults.add_message(value.error().message, name);
     return;
   }
   TreeReader(at.name, keys, given, faults).read_entry(name, at, *value);

@@ -2,6 +2,7 @@
 // The declarative description of a set of keys. Loading, dumping, `--set` and the table in docs/configuration.md all
 // come from it.
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -26,6 +27,7 @@ struct Key {
   std::function<bool(const T&)> applies = nullptr;  ///< empty = always; a key that does not apply must not be given
   std::string applies_to;                           ///< says when, for messages and the table
   bool required = false;
+  std::string applies_key = {};  ///< the key that decides it: while that one is faulty nothing is said of this one
 };
 
 /// A contradiction between keys: `check` returns {expected, found} when it is there.
@@ -35,7 +37,8 @@ struct Contradiction {
 };
 template <class T>
 struct Rule {
-  std::vector<std::string> keys;  ///< the first one that was given has its position in the message
+  /// All keys that `check` reads. The first one that was given has its position in the message.
+  std::vector<std::string> keys;
   std::function<std::optional<Contradiction>(const T&)> check;
 };
 
@@ -59,6 +62,7 @@ template <class T, class U>
 void append(Schema<T>& outer, const std::string& prefix, const Lens<T, U>& lens, const Schema<U>& inner) {
   for (const auto& key : inner.keys) {
     Key<T> lifted{prefix + key.name, key.expected, key.doc, {}, {}, {}, nullptr, key.applies_to, key.required};
+    if (!key.applies_key.empty()) lifted.applies_key = prefix + key.applies_key;
     lifted.read = [read = key.read, lens](const YamlNode& node, T& owner) { return read(node, lens(owner)); };
     lifted.write = [write = key.write, lens](const T& owner) { return write(view(lens, owner)); };
     lifted.copy = [copy = key.copy, lens](const T& from, T& to) { copy(view(lens, from), lens(to)); };
@@ -107,15 +111,20 @@ std::vector<BoundKey> bind(const Schema<T>& schema, T& owner) {
   return bound;
 }
 
-/// Keys that do not apply, and the contradictions. Call when every single value is right.
+/// Keys that do not apply, and the contradictions, as far as the faults found before leave it certain: a rule is
+/// skipped when one of its own keys is faulty.
 template <class T>
 void check_rules(const Schema<T>& schema, const T& owner, const std::string& file, const Given& given, Faults& faults) {
   const Position nowhere{file, 0, 0};
+  const Faults before = faults;  // one contradiction does not hide another one of the same key
   for (const auto& key : schema.keys) {
     const Position* at = position_of(given, key.name);
-    if (at != nullptr && key.applies && !key.applies(owner)) faults.add(*at, key.name, key.applies_to, "another one");
+    if (at == nullptr || !key.applies || key.applies(owner)) continue;
+    if (key.applies_key.empty() || !before.about(key.applies_key))
+      faults.add(*at, key.name, key.applies_to, "another one");
   }
   for (const auto& rule : schema.rules) {
+    if (std::any_of(rule.keys.begin(), rule.keys.end(), [&](const auto& key) { return before.about(key); })) continue;
     const auto contradiction = rule.check(owner);
     if (!contradiction) continue;
     const Position* at = nullptr;

@@ -135,6 +135,9 @@ Schema<SensorConfig> sensor_schema(bool required) {
   append(schema, "parameters.",
          Lens<SensorConfig, ProjectionConfig>([](SensorConfig& s) -> ProjectionConfig& { return s.projection; }),
          parameter_schema());
+  for (auto& key : schema.keys) {
+    if (key.applies) key.applies_key = "projection";
+  }
   append(schema, "T_body_sensor.", Lens<SensorConfig, Pose>([](SensorConfig& s) -> Pose& { return s.T_body_sensor; }),
          pose_schema(required));
   add_range_limits(schema);

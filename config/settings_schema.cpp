@@ -207,7 +207,7 @@ Schema<SourceSettings> source_schema() {
                             return Contradiction{"source.path with source.kind recording", "no path"};
                           }});
   schema.rules.push_back(
-      {{"kind", "terrain"}, [](const S& s) -> std::optional<Contradiction> {
+      {{"kind", "terrain", "sensor", "trajectory"}, [](const S& s) -> std::optional<Contradiction> {
          const bool whole = !s.terrain.empty() && !s.sensor.empty() && !s.trajectory.empty();
          if (s.kind != SourceKind::simulated || whole) return std::nullopt;
          return Contradiction{"terrain, sensor and trajectory with source.kind simulated", "not all of them"};

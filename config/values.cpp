@@ -12,8 +12,15 @@ bool plain(const YamlNode& node) {
   return node.kind == YamlNode::Kind::scalar && !node.quoted && !node.scalar.empty();
 }
 
+/// "010" is eight to some readers of YAML and ten to others: no number here starts with a zero before a digit.
+bool has_leading_zero(std::string_view text) {
+  if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
+  return text.size() > 1 && text[0] == '0' && text[1] >= '0' && text[1] <= '9';
+}
+
 template <class T>
 std::optional<T> parse_whole(std::string_view text) {
+  if (has_leading_zero(text)) return std::nullopt;
   if (text.starts_with('+')) text.remove_prefix(1);
   T value{};
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);

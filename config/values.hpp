@@ -12,9 +12,9 @@
 
 namespace scree::config {
 
-std::optional<double> read_number(const YamlNode& node);  ///< finite
-std::optional<std::int64_t> read_integer(const YamlNode& node);
-std::optional<bool> read_flag(const YamlNode& node);  ///< true | false
+std::optional<double> read_number(const YamlNode& node);         ///< finite, decimal, no leading zeros ("010")
+std::optional<std::int64_t> read_integer(const YamlNode& node);  ///< decimal, no leading zeros
+std::optional<bool> read_flag(const YamlNode& node);             ///< true | false
 std::optional<std::string> read_text(const YamlNode& node);
 std::optional<std::vector<double>> read_numbers(const YamlNode& node);
 std::optional<Duration> read_seconds(const YamlNode& node);

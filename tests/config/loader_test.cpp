@@ -12,6 +12,7 @@ namespace scree::config {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string faults_of(std::string_view text, const std::vector<std::string>& assignments = {}) {
   const auto settings = parse_settings(text, "robot.yaml", assignments);
@@ -95,12 +96,45 @@ TEST(SettingsLoader, ContradictionsHaveThePositionOfAKeyThatWasGiven) {
   EXPECT_THAT(faults_of("pose: {T_map_body: {qw: 0.5}}\n"), HasSubstr("expected qx qy qz qw of norm 1"));
 }
 
+TEST(SettingsLoader, ContradictionsAreReportedBesideUnknownKeysAndWrongTypes) {
+  const std::string faults = faults_of(
+      "map: {cel_m: 0.2, size_cells: 20}\n"
+      "vehicle: {wheelbase_m: 40, track_m: wide}\n"
+      "node: {threads: many, sensor_stale_ms: 5000}\n"
+      "source: {kind: recording}\n"
+      "sensor:\n"
+      "  projection: cloud\n"
+      "  range_min_m: 9\n"
+      "  range_max_m: 3\n"
+      "  parameters: {fx_px: 500}\n",
+      {"publish.refresh_ms=soon"});
+  EXPECT_THAT(faults, HasSubstr("robot.yaml:1:7: map.cel_m: expected a known key"));
+  EXPECT_THAT(faults, HasSubstr("robot.yaml:3:17: node.threads: expected an integer"));
+  EXPECT_THAT(faults, HasSubstr("--set: publish.refresh_ms: expected an integer"));
+  EXPECT_THAT(faults,
+              HasSubstr("robot.yaml:3:23: node.sensor_stale_ms: expected sensor_stale_ms of at most sensor_lost_ms"));
+  EXPECT_THAT(faults, HasSubstr("source.path with source.kind recording"));
+  EXPECT_THAT(faults, HasSubstr("robot.yaml:8:3: sensor.range_max_m: expected range_min_m below range_max_m"));
+  EXPECT_THAT(faults, HasSubstr("sensor.parameters.fx_px: expected projection pinhole, found another one"));
+  EXPECT_THAT(faults, Not(HasSubstr("two vehicle lengths"))) << "track_m is faulty: nobody knows the vehicle's length";
+}
+
+TEST(SettingsLoader, NothingIsConcludedFromAFaultyValue) {
+  const std::string projection = faults_of("sensor:\n  projection: pinhol\n  parameters: {fx_px: 500, fy_px: 500}\n");
+  EXPECT_THAT(projection, HasSubstr("sensor.projection: expected one of"));
+  EXPECT_THAT(projection, Not(HasSubstr("fx_px:"))) << "with the projection meant they may well apply";
+  const std::string limits = faults_of("node: {sensor_lost_ms: none, sensor_stale_ms: 5000}\n");
+  EXPECT_THAT(limits, Not(HasSubstr("at most sensor_lost_ms")));
+  const std::string section = faults_of("vehicle: 3\nmap: {size_cells: 16}\n");
+  EXPECT_THAT(section, Not(HasSubstr("two vehicle lengths")));
+}
+
 TEST(SettingsLoader, NoTextBecomesANumberInSilence) {
   for (const char* value :
        {"\"0.2\"", "0,2", "0.2m", ".nan", ".inf", "nan", "inf", "1e999", "", "~", "[0.2]", "{a: 1}", "0x10", "true"})
     EXPECT_THAT(faults_of(fmt::format("map:\n  cell_m: {}\n", value)), HasSubstr("map.cell_m: expected a number"))
         << value;
-  for (const char* value : {"2.0", "2e0", "99999999999999999999", "two"})
+  for (const char* value : {"2.0", "2e0", "99999999999999999999", "two", "010", "-01", "00", "+07"})
     EXPECT_THAT(faults_of(fmt::format("node:\n  threads: {}\n", value)), HasSubstr("node.threads: expected an integer"))
         << value;
   for (const char* value : {"yes", "1", "\"true\""})

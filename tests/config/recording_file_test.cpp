@@ -84,6 +84,22 @@ TEST(RecordingFile, MissingKeysAreNamedWhereTheyBelong) {
   EXPECT_THAT(recording.error().message, HasSubstr("found no such key"));
 }
 
+TEST(RecordingFile, MixedFaultsAreAllReportedAtOnce) {
+  const auto recording = parse_recording(
+      "scree_recording: 1\norigin: moon\nsensor:\n  projection: pinhole\n  range_mx_m: 3\n  range_min_m: 500\n"
+      "  parameters: {unit_m: 0.01}\n"
+      "  T_body_sensor: {x_m: 0, y_m: 0, z_m: 0, qx: 0, qy: 0, qz: 0, qw: 0.5}\n",
+      "recording.yaml");
+  ASSERT_FALSE(recording);
+  const std::string& faults = recording.error().message;
+  EXPECT_THAT(faults, HasSubstr("recording.yaml:2:9: origin: expected one of"));
+  EXPECT_THAT(faults, HasSubstr("sensor.range_mx_m: expected a known key (nearest: sensor.range_max_m)"));
+  EXPECT_THAT(faults, HasSubstr("sensor.parameters.unit_m: expected projection perceptron_usf, found another one"));
+  EXPECT_THAT(faults, HasSubstr("fx_px and fy_px with projection pinhole"));
+  EXPECT_THAT(faults, HasSubstr("range_min_m below range_max_m"));
+  EXPECT_THAT(faults, HasSubstr("expected qx qy qz qw of norm 1"));
+}
+
 TEST(RecordingFile, NotARecordingIsBadData) {
   for (const char* text :
        {"", "scree_recording: 2\n", "[]", "\"", "scree_recording: 1\nsensor: {projection: sonar}\n"}) {
