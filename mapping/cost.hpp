@@ -2,6 +2,7 @@
 // From the shape of the ground to a cost for one vehicle. docs/mapping.md tells planner authors what a cost means.
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "core/cell_state.hpp"
@@ -19,7 +20,9 @@ struct GroundShape {
   CellState state = CellState::never_seen;
   float slope_rad = 0.0F;  ///< NaN = unknown
   float step_m = 0.0F;
-  std::optional<fractal::FractalLaw> roughness;
+  std::optional<fractal::FractalLaw> roughness;  ///< of a window that may hold other ground than this, too
+  /// rms deviation of the measured heights from the plane of the footprint; NaN = not measured well enough
+  float deviation_m = std::numeric_limits<float>::quiet_NaN();
 };
 
 /// Shares of what the vehicle can bear: 0 = nothing, 1 = its limit.

@@ -82,7 +82,8 @@ void Layers::compute(const RollingGrid<MapCell>& map, Executor& executor, MapSna
   estimate_roughness(executor);
   const fractal::Reconstruction* filled = reconstruct(window, executor);
   states_.classify(ground_, filled, executor, out.state, out.elevation_m);
-  shape_.update(out.elevation_m, ground_.noise_variance_m2, ground_.relief_m2, executor, out.slope_rad, out.step_m);
+  shape_.update(out.elevation_m, ground_.noise_variance_m2, ground_.relief_m2, executor, out.slope_rad, out.step_m,
+                deviation_m_);
   for (Grid<float>* grid : {&out.elevation_sigma_m, &out.dimension, &out.dimension_sigma, &out.amplitude_m})
     grid->assign(window.rows, window.columns, kUnknown);
   out.cost.assign(window.rows, window.columns, kCostUnknown);
@@ -116,6 +117,7 @@ void Layers::publish_row(int row, MapSnapshot& out) const {
       }
     }
     ground.slope_rad = out.slope_rad(row, column);
+    if (ground.state == CellState::measured) ground.deviation_m = deviation_m_(row, column);
     ground.step_m = out.step_m(row, column);
     out.cost(row, column) = cell_cost(ground, config_.vehicle);
   }

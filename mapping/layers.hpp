@@ -33,6 +33,7 @@ class Layers {
   MapConfig config_;
   GroundLayers ground_;
   Grid<float> measured_slope_rad_;
+  Grid<float> deviation_m_;        ///< of the heights from the footprint's plane
   Grid<float> place_variance_m2_;  ///< noise of a height plus that of its returns' places on the slope
   fractal::DimensionMapper dimension_mapper_;
   fractal::DimensionMap roughness_;

@@ -20,8 +20,8 @@ struct Statistics {
   std::uint64_t points_outside = 0;
   std::uint64_t points_outlier = 0;
   std::uint64_t points_other_surface = 0;  ///< overhang and the like, see docs/mapping.md
-  std::uint64_t cells_measured = 0;  ///< in the last map
-  Duration latency_p50{0};           ///< frame in to map out; replay: from the moment the map stage takes the frame
+  std::uint64_t cells_measured = 0;        ///< in the last map
+  Duration latency_p50{0};  ///< frame in to map out; replay: from the moment the map stage takes the frame
   Duration latency_p99{0};
   Duration latency_max{0};
   std::uint64_t datagrams = 0;

@@ -57,6 +57,16 @@ TEST(Cost, PlanesAreNotRough) {
   EXPECT_LT(h.clearance, 1e-3);
 }
 
+// A trunk a metre away fills the window of D; the footprint itself is as flat as a table.
+TEST(Cost, RoughnessBesideAMeasuredFootprintIsBoundedByWhatItShows) {
+  GroundShape beside{CellState::measured, 0.0F, 0.01F, fractal::FractalLaw{2.4, 2.0}};
+  EXPECT_EQ(cell_cost(beside, {}), kCostLethal);
+  beside.deviation_m = 0.002F;
+  EXPECT_LT(cell_cost(beside, {}), 20);
+  beside.deviation_m = 10.0F;
+  EXPECT_EQ(cell_cost(beside, {}), kCostLethal);
+}
+
 TEST(Cost, WhiteHeightsAreJudgedByTheirRmsChange) {
   const VehicleConfig vehicle;
   const GroundShape white{CellState::measured, 0.0F, 0.0F, fractal::FractalLaw{3.0, 0.03}};
