@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "io/picture.hpp"
 #include "tests/integration/hand_made.hpp"
 #include "tests/integration/scree.hpp"
 
@@ -56,7 +57,7 @@ TEST(BadInput, UnwritableOutputIs73BeforeTheWork) {
   const auto maps = scree(replay("/nowhere/drive", {"--map-out", "/nowhere/map.npy"}));
   EXPECT_EQ(maps.exit_code, 73) << maps.err;  // said before the recording is even looked for
   const auto picture = scree(replay("/nowhere/drive", {"--snapshot", "/nowhere/map.png"}));
-  EXPECT_EQ(picture.exit_code, 73) << picture.err;
+  EXPECT_EQ(picture.exit_code, io::picture_support() ? 73 : 64) << picture.err;
   const auto simulated = scree({"simulate", "--terrain", "fbm:2.3,0.1,7,10,0.1", "--sensor", "depth", "--trajectory",
                                 "line:-2,0,0,1,1", "--out", "/dev/null/drive"});
   EXPECT_EQ(simulated.exit_code, 73) << simulated.err;

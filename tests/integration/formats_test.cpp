@@ -83,8 +83,7 @@ TEST(Formats, PcdDirectory) {
              "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1600\nDATA ascii\n" +
                  points);
   write_file(folder / "pcd/poses.csv", "t_s,x_m,y_m,z_m,qx,qy,qz,qw\n5,0,0,3,0,0,0,1\n");
-  const auto finished = scree(replay((folder / "pcd").string(), {"--format", "pcd", "--rate", "max"}));
-  if (finished.exit_code == 69) GTEST_SKIP() << finished.err;  // a build without PCL says so
+  // ASCII: a build without PCL reads it too
   const Map map = replay_flat(folder, {(folder / "pcd").string(), "--format", "pcd"}, 2.0);
   EXPECT_EQ(map.facts["cells_measured"], 1600);
 }
