@@ -97,6 +97,9 @@ void add_phase_evidence(Schema<FilterConfig>& schema) {
 Schema<FilterConfig> filter_schema() {
   Schema<FilterConfig> schema;
   schema.keys.push_back(integer<FilterConfig, int>(
+      "min_reflectance", [](FilterConfig& f) -> int& { return f.min_reflectance; }, {0, 4095, false},
+      "Returns of a weaker reflectance count as no return; needs parameters.reflectance_shift; 0 = off."));
+  schema.keys.push_back(integer<FilterConfig, int>(
       "speckle_min_pixels", [](FilterConfig& f) -> int& { return f.speckle_min_pixels; }, {0, 1e6, false},
       "A surface of fewer pixels is speckle; 0 = off."));
   schema.keys.push_back(number<FilterConfig>(
@@ -144,6 +147,13 @@ Schema<SensorConfig> sensor_schema(bool required) {
   schema.keys.push_back(self_mask());
   append(schema, "filter.", Lens<SensorConfig, FilterConfig>([](SensorConfig& s) -> FilterConfig& { return s.filter; }),
          filter_schema());
+  schema.rules.push_back({{"filter.min_reflectance", "parameters.reflectance_shift"},
+                          [](const SensorConfig& s) -> std::optional<Contradiction> {
+                            if (s.filter.min_reflectance == 0 || s.projection.reflectance_shift != 0)
+                              return std::nullopt;
+                            return Contradiction{"parameters.reflectance_shift 12 or 16 with filter.min_reflectance",
+                                                 "no reflectance_shift"};
+                          }});
   return schema;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "drivers/perceptron_file.hpp"
+#include "drivers/recording_frame.hpp"
 #include "drivers/recording_source.hpp"
 #include "drivers/table.hpp"
 
@@ -50,6 +51,22 @@ SensorConfig default_sensor(RangeFileLayout layout) {
   return sensor;
 }
 
+/// Whoever chose the sensor contradicts the file: that is a bad configuration, not bad data.
+Status check_sensor(const std::filesystem::path& file, const SensorConfig& sensor) {
+  if (std::error_code ignored; !std::filesystem::exists(file, ignored))
+    return Error{ErrorKind::no_input, file.string() + ": expected a file, found none"};
+  std::optional<RangeFileLayout> layout;
+  if (file.extension() != ".pgm") {
+    if (sensor.projection.kind == ProjectionKind::cloud && file.extension() != ".perc") return {};
+    const auto range_file = read_range_file(file, {.lenient = sensor.projection.lenient});
+    if (!range_file) return range_file.error();
+    layout = range_file->layout;
+  }
+  const auto fits = check_file_kind(file.string(), layout, sensor.projection.kind);
+  if (!fits) return Error{ErrorKind::bad_config, fits.error().message};
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Source>> open_recording(const std::filesystem::path& directory, RecordingDescription description,
@@ -80,12 +97,13 @@ Result<std::unique_ptr<Source>> open_pcd_directory(const std::filesystem::path& 
 }
 
 Result<std::unique_ptr<Source>> open_range_file(const std::filesystem::path& file, std::optional<SensorConfig> sensor) {
-  if (!sensor) {  // a bad file is refused before anything is started for it
+  // A bad file, or a sensor that it cannot come from, is refused before anything is started for it.
+  if (!sensor) {
     const auto range_file = read_range_file(file);
     if (!range_file) return range_file.error();
     sensor = default_sensor(range_file->layout);
-  } else if (std::error_code ignored; !std::filesystem::exists(file, ignored)) {
-    return Error{ErrorKind::no_input, file.string() + ": expected a file, found none"};
+  } else if (const auto fits = check_sensor(file, *sensor); !fits) {
+    return fits.error();
   }
   auto poses = PoseTrack::make({StampedPose{}});
   if (!poses) return poses.error();

@@ -44,7 +44,8 @@ Result<std::unique_ptr<Source>> open_pcd_directory(const std::filesystem::path& 
                                                    ReplayWindow window);
 
 /// One range file: USF geometry, or CMU by its size; identity body pose; sensor axes turned to REP-103 unless
-/// `sensor` says where the sensor sits.
+/// `sensor` says where the sensor sits. Errors: no_input, bad_data (not a range file), bad_config (a sensor that such a
+/// file cannot come from).
 Result<std::unique_ptr<Source>> open_range_file(const std::filesystem::path& file, std::optional<SensorConfig> sensor);
 
 /// Writes the directory format, frame by frame; recording.yaml's text is made by config/ and handed in.

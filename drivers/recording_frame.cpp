@@ -24,7 +24,51 @@ bool is_depth_image(const std::filesystem::path& file) {
   return file.extension() == ".pgm";
 }
 
+const char* projection_name(ProjectionKind kind) {
+  switch (kind) {
+    case ProjectionKind::perceptron_usf:
+      return "perceptron_usf";
+    case ProjectionKind::perceptron_cmu:
+      return "perceptron_cmu";
+    case ProjectionKind::spherical:
+      return "spherical";
+    case ProjectionKind::pinhole:
+      return "pinhole";
+    case ProjectionKind::cloud:
+      return "cloud";
+  }
+  return "unknown";
+}
+
+/// What files a sensor of `kind` makes, in words.
+const char* files_of(ProjectionKind kind) {
+  switch (kind) {
+    case ProjectionKind::perceptron_usf:
+      return "a range file with a USF header";
+    case ProjectionKind::perceptron_cmu:
+      return "a headerless CMU range file";
+    case ProjectionKind::spherical:
+    case ProjectionKind::pinhole:
+      return "a 16-bit .pgm image";
+    case ProjectionKind::cloud:
+      return "a point cloud";
+  }
+  return "nothing";
+}
+
+bool makes(ProjectionKind kind, std::optional<RangeFileLayout> layout) {
+  if (!layout) return kind == ProjectionKind::pinhole || kind == ProjectionKind::spherical;
+  return kind == (*layout == RangeFileLayout::usf ? ProjectionKind::perceptron_usf : ProjectionKind::perceptron_cmu);
+}
+
 }  // namespace
+
+Status check_file_kind(const std::string& name, std::optional<RangeFileLayout> layout, ProjectionKind kind) {
+  if (makes(kind, layout)) return {};
+  return Error{ErrorKind::bad_data,
+               fmt::format("{}: expected {} (projection {}), found {} {}", name, files_of(kind), projection_name(kind),
+                           layout ? "a range file:" : "a 16-bit", layout ? to_string(*layout) : ".pgm image")};
+}
 
 Status RecordedFrameReader::read(const std::filesystem::path& file, RangeFrame& frame, std::string& warning) {
   warning.clear();
@@ -54,19 +98,31 @@ Status RecordedFrameReader::read_image(const std::filesystem::path& file, RangeF
   if (depth) {
     if (auto parsed = parse_depth_image(bytes_, name, depth_image_); !parsed) return parsed;
   } else {
-    const RangeFileOptions options{.reflectance_shift = 0, .lenient = config_.lenient};
+    const RangeFileOptions options{.reflectance_shift = min_reflectance_ > 0 ? config_.reflectance_shift : 0,
+                                   .lenient = config_.lenient};
     if (auto parsed = parse_range_file(bytes_, name, options, range_file_); !parsed) return parsed;
-    if (config_.kind == ProjectionKind::perceptron_usf && range_file_.layout != RangeFileLayout::usf)
-      return Error{ErrorKind::bad_data, fmt::format("{}: expected a USF header (projection perceptron_usf), found {}",
-                                                    name, to_string(range_file_.layout))};
     warning = range_file_.warning;
   }
+  if (auto fits = check_file_kind(name, depth ? std::nullopt : std::optional(range_file_.layout), config_.kind); !fits)
+    return fits;
   const Grid<std::uint16_t>& raw = depth ? depth_image_ : range_file_.raw;
   if (auto fits = fit_projection(name, raw.rows(), raw.columns()); !fits) return fits;
   frame.projection = projection_;
   frame.range_m.assign(raw.rows(), raw.columns(), 0.0f);
   raw_to_range(raw.data(), projection_->range_offset_m.data(), projection_->range_per_count_m.data(),
                static_cast<std::int32_t>(projection_->config.invalid_raw), raw.size(), frame.range_m.data());
+  return depth ? Status{} : drop_weak_returns(name, frame.range_m);
+}
+
+Status RecordedFrameReader::drop_weak_returns(const std::string& name, Grid<float>& range_m) const {
+  if (min_reflectance_ <= 0) return {};
+  const Grid<std::uint16_t>& reflectance = range_file_.reflectance;
+  if (reflectance.size() != range_m.size())
+    return Error{ErrorKind::bad_data,
+                 fmt::format("{}: expected words with a reflectance (min_reflectance {}), found {}", name,
+                             min_reflectance_, to_string(range_file_.layout))};
+  for (std::size_t i = 0; i < range_m.size(); ++i)
+    if (reflectance[i] < min_reflectance_) range_m[i] = kNaN;
   return {};
 }
 

@@ -45,6 +45,9 @@ struct FilterConfig {
   double range_min_m = 0.0;
   double range_max_m = 100.0;
   std::optional<BodyBox> self_mask;
+  /// Returns with a reflectance count below this are no returns (sky of a Perceptron). 0 = off. Only where
+  /// projection.reflectance_shift says where the reflectance is; the reader of the frames applies it.
+  int min_reflectance = 0;
   /// A pixel is speckle when its surface (pixels joined by similar range) has fewer than this many pixels, when it is
   /// joined to fewer than two of its four neighbours, or when it stands alone at a grazing angle. 0 = off. The default
   /// keeps fewer than one uniformly random pixel in 40 frames of 512 × 512 (derivation: docs/perceptron.md).

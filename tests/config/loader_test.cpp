@@ -209,6 +209,15 @@ TEST(SensorKeys, ParameterOfAnotherProjectionIsAFault) {
   EXPECT_THAT(faults_of("sensor:\n  projection: spherical\n"), HasSubstr("row_elevations_rad"));
 }
 
+TEST(SensorKeys, LeastReflectanceNeedsThePlaceOfTheReflectance) {
+  const char* text = "sensor:\n  projection: perceptron_usf\n  filter: {min_reflectance: 40}\n";
+  EXPECT_THAT(faults_of(text), HasSubstr("robot.yaml:3:12: sensor.filter.min_reflectance: expected "
+                                         "parameters.reflectance_shift 12 or 16 with filter.min_reflectance"));
+  const auto settings = parse_settings(text, "robot.yaml", {"sensor.parameters.reflectance_shift=12"});
+  ASSERT_TRUE(settings) << settings.error().message;
+  EXPECT_EQ(settings->sensor->filter.min_reflectance, 40);
+}
+
 TEST(Documentation, HoldsTheTableOfAllKeys) {
   std::ifstream stream(SCREE_SOURCE_DIR "/docs/configuration.md");
   const std::string page{std::istreambuf_iterator<char>(stream), {}};
