@@ -122,6 +122,7 @@ Result<bool> Pipeline::restart_source() {
 
 void Pipeline::map_frames(const std::stop_token& stop) {
   while (const auto frame = queue_.pop(stop)) {
+    note_first_frame();
     const MonotonicTime taken = config_.policy == QueuePolicy::newest_wins ? frame->received : MonotonicClock::now();
     if (poses_ == nullptr) {
       map_frame(*frame, taken, stop);
@@ -162,7 +163,9 @@ void Pipeline::map_frame(const RangeFrame& frame, MonotonicTime taken, const std
   statistics_.points_outlier += report->points_outlier;
   statistics_.points_other_surface += report->points_other_surface;
   statistics_.cells_measured = measured;
-  latency_.add(MonotonicClock::now() - taken);
+  const auto now = MonotonicClock::now();
+  latency_.add(now - taken);
+  statistics_.mapping = now - *first_taken_;
   map_ = std::move(snapshot);
   changed_.notify_all();
 }

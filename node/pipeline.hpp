@@ -69,6 +69,7 @@ class Pipeline {
   bool poses_come_by_udp() const { return config_.settings.pose.source == config::PoseSource::udp; }
   protocol::ByeReason bye_reason() const;
   void count_rejected();
+  void note_first_frame();
   void copy_publisher_counters();
   NodeStatus status(MonotonicTime now);
   void count_skipped(const std::string& message);
@@ -91,6 +92,7 @@ class Pipeline {
   std::condition_variable_any changed_;
   Statistics statistics_;
   LatencyHistogram latency_;
+  std::optional<MonotonicTime> first_taken_;  ///< by the map stage
   std::shared_ptr<const mapping::MapSnapshot> map_;
   std::optional<Error> error_;
   MonotonicTime last_frame_ = start_;

@@ -31,6 +31,11 @@ void Pipeline::count_rejected() {
   statistics_.rejected = rejected;
 }
 
+void Pipeline::note_first_frame() {
+  const std::lock_guard lock(mutex_);
+  if (!first_taken_) first_taken_ = MonotonicClock::now();
+}
+
 void Pipeline::copy_publisher_counters() {
   const auto& counters = publisher_->counters();
   const std::lock_guard lock(mutex_);

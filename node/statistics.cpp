@@ -54,7 +54,8 @@ std::string to_json(const Statistics& s) {
       {"lost", 0},
       {"rejected", s.rejected},
       {"elapsed_s", to_seconds(s.elapsed)},
-      {"frames_per_s", s.elapsed.count() > 0 ? static_cast<double>(s.frames_mapped) / to_seconds(s.elapsed) : 0.0},
+      {"mapping_s", to_seconds(s.mapping)},
+      {"frames_per_s", s.frames_per_s()},
       {"pixels", pixel_json(s.pixels)}};
   return json.dump(2);
 }
