@@ -131,7 +131,10 @@ Result<Raster> read_raster(const std::filesystem::path& file) {
     return Error{ErrorKind::no_input, fmt::format("{}: expected a raster, found no such file", file.string())};
   CPLErrorReset();
   const Dataset dataset(GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
-  if (!dataset) return bad(file, "a raster that GDAL reads", CPLGetLastErrorMsg());
+  if (!dataset) {
+    const std::string reason = CPLGetLastErrorMsg();
+    return bad(file, "a raster that GDAL reads", reason.empty() ? "a file in no format that it knows" : reason);
+  }
   if (dataset->GetRasterCount() < 1) return bad(file, "one raster band", "none");
   GDALRasterBand& band = *dataset->GetRasterBand(1);
   if (GDALDataTypeIsComplex(band.GetRasterDataType()) != 0) return bad(file, "real heights", "complex numbers");
