@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "node/protocol_layers.hpp"
+
 namespace scree::node {
 
 std::optional<drivers::Origin> parse_origin(const std::string& word) {
@@ -56,6 +58,16 @@ std::string listen_line(const Listener& listener, const mapping::MapSnapshot* ma
                      counters.datagrams, counters.lost, counters.rejected, map == nullptr ? 0 : map->measured_cells());
 }
 
+std::optional<std::vector<std::string>> announced_layers(const Listener& listener) {
+  if (!listener.announce()) return std::nullopt;
+  std::vector<std::string> names;
+  for (const protocol::AnnouncedLayer& announced : listener.announce()->layers) {
+    if (const auto layer = protocol::layer_from_wire(announced.layer))
+      names.emplace_back(protocol::layer_format(*layer).name);
+  }
+  return names;
+}
+
 std::string listen_json(const Listener& listener, const mapping::MapSnapshot* map) {
   const auto& counters = listener.counters();
   nlohmann::ordered_json json{
@@ -73,6 +85,7 @@ std::string listen_json(const Listener& listener, const mapping::MapSnapshot* ma
       {"rejected", counters.rejected},
       {"refused_origin", counters.refused_origin},
       {"tiles", counters.tiles}};
+  for (const char* key : {"x_min_m", "y_min_m", "cell_m", "rows", "columns", "revision"}) json[key] = nullptr;
   if (map != nullptr) {
     json.update({{"x_min_m", map->window.min.x * map->cell_m},
                  {"y_min_m", map->window.min.y * map->cell_m},

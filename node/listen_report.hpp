@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "node/listener.hpp"
 
@@ -15,7 +16,12 @@ const char* origin_name(std::optional<drivers::Origin> origin);
 std::string describe_link(const Listener& listener);
 std::string listen_line(const Listener& listener, const mapping::MapSnapshot* map);
 
-/// The node's own figures come from its last heartbeat; `points` is null, as they are not sent. `map` may be null.
+/// Names of the layers that the sender announced and this reader knows: a map has nothing in the others. None while its
+/// present boot has announced nothing (the last valid map is then of an earlier one).
+std::optional<std::vector<std::string>> announced_layers(const Listener& listener);
+
+/// The node's own figures come from its last heartbeat; `points` is null, as they are not sent. `map` may be null: the
+/// keys that speak of it are then null, so that every document has the same ones.
 std::string listen_json(const Listener& listener, const mapping::MapSnapshot* map);
 
 }  // namespace scree::node

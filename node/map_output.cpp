@@ -1,5 +1,6 @@
 #include "node/map_output.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -7,9 +8,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <system_error>
-#include <vector>
 
 #include "io/npy.hpp"
 #include "io/picture.hpp"
@@ -65,8 +64,10 @@ Result<MapOutput> MapOutput::prepare(const std::filesystem::path& path) {
   return output;
 }
 
-Status MapOutput::write(const mapping::MapSnapshot& map, const std::string& statistics_json) const {
+Status MapOutput::write(const mapping::MapSnapshot& map, const std::string& statistics_json,
+                        const std::optional<std::vector<std::string>>& only) const {
   for (const MapLayer& layer : map_layers(map)) {
+    if (only && std::find(only->begin(), only->end(), layer.name) == only->end()) continue;
     const auto file = fmt::format("{}.{}{}", base_.string(), layer.name, extension_);
     if (auto written = write_layer(file, extension_, layer, map); !written) return written;
   }

@@ -2,7 +2,9 @@
 // `--map-out BASE.EXT` and `--snapshot FILE.png`: the last map as files.
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/result.hpp"
 #include "mapping/snapshot.hpp"
@@ -19,7 +21,9 @@ class MapOutput {
 
   /// BASE.cost.EXT, BASE.elevation.EXT, … (lower case layer names; NaN = unknown) and BASE.json: cell_m, x_min_m,
   /// y_min_m, rows, columns and `statistics_json`'s members.
-  Status write(const mapping::MapSnapshot& map, const std::string& statistics_json) const;
+  /// `only`: the layers to write, for a map that came without the others.
+  Status write(const mapping::MapSnapshot& map, const std::string& statistics_json,
+               const std::optional<std::vector<std::string>>& only = std::nullopt) const;
 
  private:
   std::filesystem::path base_;

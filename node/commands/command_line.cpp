@@ -1,8 +1,12 @@
 #include "node/commands/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <charconv>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -13,6 +17,7 @@ namespace scree::node {
 namespace {
 
 constexpr int kUsage = static_cast<int>(ErrorKind::usage);
+constexpr std::uint64_t kSeedMax = 9'200'000'000'000'000'000;  // what the keys map.seed and source.seed take
 
 int report(const Error& error) {
   std::fprintf(stderr, "scree: %s\n", error.message.c_str());
@@ -24,7 +29,12 @@ int parse_and_run(CLI::App& app, const std::vector<Command>& commands, int argc,
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) {  // --help, --version
+      std::ostringstream text;
+      app.exit(error, text, text);
+      const auto printed = print(text.str());
+      return printed ? 0 : report(printed.error());
+    }
     std::fprintf(stderr, "scree: %s\nTry scree --help, or scree COMMAND --help.\n", error.what());
     return kUsage;
   }
@@ -59,12 +69,32 @@ int run_command_line(int argc, char** argv) {
   }
 }
 
+Status print(const std::string& text) {
+  errno = 0;
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (written && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
+  const char* reason = errno != 0 ? std::strerror(errno) : "an earlier write failed";
+  return Error{ErrorKind::io, std::string("standard output: expected to take the result, found: ") + reason};
+}
+
+/// Read by hand: the option parser would take -1 for 2^64 − 1 or 0.
+void add_seed(CLI::App& app, std::function<void(std::uint64_t)> take) {
+  const auto read = [take = std::move(take)](const std::string& text) {
+    std::uint64_t seed = 0;
+    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), seed);
+    if (status != std::errc{} || end != text.data() + text.size() || seed > kSeedMax)
+      throw CLI::ValidationError("--seed", "expected an integer from 0 to 9.2e18, found '" + text + "'");
+    take(seed);
+  };
+  app.add_option_function<std::string>("--seed", read, "Makes everything random repeatable")->type_name("N");
+}
+
 void ConfigOptions::add_to(CLI::App& app) {
   app.add_option("--config", file, "Configuration file (YAML)")->type_name("FILE");
   app.add_option("--set", assignments, "Override one key, e.g. node.threads=2; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--seed", seed, "Makes everything random repeatable")->type_name("N");
+  add_seed(app, [this](std::uint64_t value) { seed = value; });
 }
 
 Result<config::Settings> ConfigOptions::load() const {

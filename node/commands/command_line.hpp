@@ -31,6 +31,13 @@ std::vector<Command> add_config(CLI::App& app);
 /// Parses, runs, reports: the whole of main.
 int run_command_line(int argc, char** argv);
 
+/// Writes `text` to standard output and makes sure that it got there: a program that reads it must not take a lost
+/// document for an empty one. Errors: io.
+Status print(const std::string& text);
+
+/// --seed: an integer that a configuration can hold too.
+void add_seed(CLI::App& app, std::function<void(std::uint64_t)> take);
+
 /// --config, --set and --seed, the same everywhere.
 struct ConfigOptions {
   std::optional<std::string> file;

@@ -1,7 +1,7 @@
 // scree config check|dump|keys
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
+#include <fmt/format.h>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,15 +30,14 @@ Result<int> run_check(CheckOptions options, bool dump) {
   const auto settings = options.config.load();
   if (!settings) return settings.error();
   const std::string text = config::dump_settings(*settings);
-  if (dump)
-    std::fputs(text.c_str(), stdout);
-  else
-    std::printf("%s: valid, config_hash %08x\n", options.file.c_str(), protocol::config_hash(text));
+  const auto printed =
+      print(dump ? text : fmt::format("{}: valid, config_hash {:08x}\n", options.file, protocol::config_hash(text)));
+  if (!printed) return printed.error();
   return 0;
 }
 
 Result<int> print_keys() {
-  std::fputs(config::settings_table().c_str(), stdout);
+  if (const auto printed = print(config::settings_table()); !printed) return printed.error();
   return 0;
 }
 

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
@@ -69,21 +68,21 @@ Status write_outputs(const ListenOptions& options, const std::optional<MapOutput
                      const Listener& listener) {
   const auto map = listener.last_valid_map();
   const std::string json = listen_json(listener, map.get());
-  if (options.output.json) std::printf("%s\n", json.c_str());
+  const Status printed = options.output.json ? print(json + '\n') : Status{};  // whether or not a map came
   spdlog::info("{}", listen_line(listener, map.get()));
-  if (!map_output && !options.output.snapshot) return {};
+  if (!map_output && !options.output.snapshot) return printed;
   if (map == nullptr)
     return Error{ErrorKind::bad_data, fmt::format("{}: expected a map, found {} datagrams without one", options.address,
                                                   listener.counters().datagrams)};
   if (map_output) {
-    if (auto written = map_output->write(*map, json); !written) return written;
+    if (auto written = map_output->write(*map, json, announced_layers(listener)); !written) return written;
   }
-  if (!options.output.snapshot) return {};
+  if (!options.output.snapshot) return printed;
   const auto source = fmt::format("{} received at {}", origin_name(listener.origin()), options.address);
   if (auto written = write_snapshot_picture(*options.output.snapshot, *map, source, RobotPlace::unknown); !written)
     return written;
   spdlog::info("picture: {}", *options.output.snapshot);
-  return {};
+  return printed;
 }
 
 Result<int> run_listen(ListenOptions options) {

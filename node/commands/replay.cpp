@@ -47,6 +47,8 @@ Result<drivers::ReplayWindow> parse_window(const ReplayOptions& options) {
   if (!start) return start.error();
   drivers::ReplayWindow window{*start, std::nullopt};
   if (!options.duration) return window;
+  if (options.loop)
+    return Error{ErrorKind::usage, "--duration: expected no --loop beside it (a loop has no end), found both"};
   const auto duration = parse_span("--duration", *options.duration);
   if (!duration) return duration.error();
   window.duration = *duration;

@@ -1,7 +1,6 @@
 #include "node/commands/run_node.hpp"
 
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <spdlog/spdlog.h>
 #include <string>
@@ -27,8 +26,7 @@ Status write_outputs(const OutputOptions& options, const std::optional<MapOutput
       return written;
     spdlog::info("picture: {}", *options.snapshot);
   }
-  if (options.json) std::printf("%s\n", json.c_str());
-  return {};
+  return options.json ? print(json + '\n') : Status{};
 }
 
 }  // namespace

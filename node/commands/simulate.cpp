@@ -72,7 +72,7 @@ Command add_simulate(CLI::App& app) {
   command->add_option("--noise", options->noise, "off: exact to quantisation; default nominal")
       ->check(CLI::IsMember({"off", "nominal"}))
       ->type_name("off|nominal");
-  command->add_option("--seed", simulator.seed, "Makes everything random repeatable")->type_name("N");
+  add_seed(*command, [options](std::uint64_t seed) { options->simulator.seed = seed; });
   command->add_option("--out", options->out, "Directory of the recording")->required()->type_name("DIR");
   return {command, [options] { return run_simulate(*options); }};
 }
