@@ -23,9 +23,10 @@ inline Finished scree(std::vector<std::string> arguments) {
   return run(command(std::move(arguments)));
 }
 
-/// A loopback address that no other test process uses; `i` tells those of one process apart.
+/// A loopback address that no other test process uses; `i` tells those of one process apart. Below 32768, where the
+/// kernel's own choices begin.
 inline std::string address(int i) {
-  return "127.0.0.1:" + std::to_string(20000 + (static_cast<int>(getpid()) * 8 + i) % 20000);
+  return "127.0.0.1:" + std::to_string(20000 + (static_cast<int>(getpid()) * 8 + i) % 12000);
 }
 
 /// Options that keep a replay off the default ports.
