@@ -19,19 +19,24 @@ bool PoseReceiver::accept(std::span<const std::uint8_t> datagram, const Endpoint
     return false;
   };
   if (!from.same_address(accept_from_)) return refuse(counters_.foreign_address);
+  protocol::Opened opened;
   protocol::PoseInputMessage message;
-  const Reject reason = judge(datagram, message);
+  const Reject reason = judge(datagram, opened, message);
   if (reason != Reject::none) return refuse(counters_.rejected_by[static_cast<std::size_t>(reason)]);
   if (message.time > now + kClockTolerance) return refuse(counters_.in_future);
-  const auto newest = history_.newest();
+  const bool restarted = boot_id_ != opened.header.boot_id;
+  const auto newest = restarted ? std::nullopt : history_.newest();
   if (newest && message.time <= newest->time) return refuse(counters_.not_later);
+  // All of it was judged: a refused datagram leaves neither its boot_id nor its seq behind.
+  if (restarted) begin_history(opened.header.boot_id);
+  seq_ = opened.header.seq;
   history_.add({message.time, message.T_map_body});
   ++counters_.accepted;
   return true;
 }
 
-Reject PoseReceiver::judge(std::span<const std::uint8_t> datagram, protocol::PoseInputMessage& message) {
-  protocol::Opened opened;
+Reject PoseReceiver::judge(std::span<const std::uint8_t> datagram, protocol::Opened& opened,
+                           protocol::PoseInputMessage& message) const {
   if (const Reject reason = protocol::open_datagram(datagram, opened); reason != Reject::none) return reason;
   if (opened.header.stream_id != stream_id_) return Reject::stream;
   if (opened.header.type != protocol::MessageType::pose_input) return Reject::type;
@@ -39,19 +44,18 @@ Reject PoseReceiver::judge(std::span<const std::uint8_t> datagram, protocol::Pos
   return check_sequence(opened.header);
 }
 
-Reject PoseReceiver::check_sequence(const protocol::Header& header) {
-  if (boot_id_ != header.boot_id) {
-    const auto known = std::min(boots_, old_boots_.size());
-    const auto end = old_boots_.begin() + static_cast<std::ptrdiff_t>(known);
-    if (std::find(old_boots_.begin(), end, header.boot_id) != end) return Reject::old_boot;
-    if (boot_id_) old_boots_[boots_++ % old_boots_.size()] = *boot_id_;
-    boot_id_ = header.boot_id;
-    history_.clear();  // a restarted source may have another map frame
-  } else if (header.seq <= seq_) {
-    return Reject::sequence;  // a late pose is of no use: the history only grows at its end
-  }
-  seq_ = header.seq;
-  return Reject::none;
+Reject PoseReceiver::check_sequence(const protocol::Header& header) const {
+  if (boot_id_ == header.boot_id)  // a late pose is of no use: the history only grows at its end
+    return header.seq <= seq_ ? Reject::sequence : Reject::none;
+  const auto known = std::min(boots_, old_boots_.size());
+  const auto end = old_boots_.begin() + static_cast<std::ptrdiff_t>(known);
+  return std::find(old_boots_.begin(), end, header.boot_id) != end ? Reject::old_boot : Reject::none;
+}
+
+void PoseReceiver::begin_history(std::uint64_t boot_id) {
+  if (boot_id_) old_boots_[boots_++ % old_boots_.size()] = *boot_id_;
+  boot_id_ = boot_id;
+  history_.clear();  // a restarted source may have another map frame
 }
 
 Result<std::unique_ptr<PoseInput>> PoseInput::open(const std::string& listen, const std::string& accept_from,

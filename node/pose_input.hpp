@@ -38,15 +38,18 @@ class PoseReceiver {
 
   /// True when the pose was taken. `now` is the node's system clock. In order: address, the datagram's own checks,
   /// stream, type and body, boot_id (a new one forgets the history, an earlier one is refused), seq (only upwards),
-  /// time (only upwards, at most 1 s ahead of `now`).
+  /// time (only upwards, at most 1 s ahead of `now`). Only a pose that passed all of them changes anything but the
+  /// counters.
   bool accept(std::span<const std::uint8_t> datagram, const Endpoint& from, Time now);
 
   const PoseHistory& history() const { return history_; }
   const PoseInputCounters& counters() const { return counters_; }
 
  private:
-  protocol::Reject judge(std::span<const std::uint8_t> datagram, protocol::PoseInputMessage& message);
-  protocol::Reject check_sequence(const protocol::Header& header);
+  protocol::Reject judge(std::span<const std::uint8_t> datagram, protocol::Opened& opened,
+                         protocol::PoseInputMessage& message) const;
+  protocol::Reject check_sequence(const protocol::Header& header) const;
+  void begin_history(std::uint64_t boot_id);
 
   Endpoint accept_from_;
   std::uint32_t stream_id_;

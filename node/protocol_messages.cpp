@@ -150,8 +150,10 @@ Reject decode(const Opened& opened, PoseInputMessage& out) {
   for (int axis = 0; axis < 3; ++axis) out.T_map_body.translation_m[axis] = reader.f64();
   const double qx = reader.f64(), qy = reader.f64(), qz = reader.f64(), qw = reader.f64();
   out.T_map_body.rotation = Eigen::Quaterniond(qw, qx, qy, qz);
-  if (!out.T_map_body.translation_m.allFinite()) return Reject::body_value;
-  // written so that NaN fails too
+  // differences of two accepted times fit 64 bits, those of two positions a double; all written so that NaN fails too
+  if (out.time > Time(kMaxPoseTime) || out.time < Time(-kMaxPoseTime)) return Reject::body_value;
+  if (!(out.T_map_body.translation_m.cwiseAbs().maxCoeff() <= kMaxPoseCoordinate_m)) return Reject::body_value;
+  if (!out.T_map_body.translation_m.allFinite()) return Reject::body_value;  // maxCoeff may pass over a NaN
   if (!(std::abs(out.T_map_body.rotation.norm() - 1.0) <= kNormTolerance)) return Reject::body_value;
   out.T_map_body.rotation.normalize();
   for (float& variance : out.variances) {

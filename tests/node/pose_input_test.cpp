@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 
 #include "tests/node/golden.hpp"
 
@@ -80,7 +81,7 @@ TEST(PoseInput, SequenceAndTimeOnlyGoUp) {
   EXPECT_FALSE(source.send(1s));
   EXPECT_FALSE(source.send(500ms));
   EXPECT_EQ(source.receiver.counters().not_later, 2u);
-  --source.next_seq;
+  source.next_seq = 1;
   EXPECT_FALSE(source.send(2s));
   EXPECT_EQ(source.rejected(Reject::sequence), 1u);
   EXPECT_TRUE(source.send(3s));
@@ -103,6 +104,41 @@ TEST(PoseInput, RestartedSourceBeginsANewHistory) {
   source.next_seq = 100;
   EXPECT_FALSE(source.send(6s));
   EXPECT_EQ(source.rejected(Reject::old_boot), 1u);
+}
+
+TEST(PoseInput, RefusedDatagramOfAnotherBootLeavesTheGoodSourceAlone) {
+  PoseSource source;
+  ASSERT_TRUE(source.send(1s));
+  ASSERT_TRUE(source.send(2s));
+  source.header.boot_id = 22;
+  source.next_seq = 1'000'000;
+  EXPECT_FALSE(source.send(20s));  // the node's clock says 10 s
+  EXPECT_EQ(source.receiver.counters().in_future, 1u);
+  EXPECT_EQ(source.receiver.history().size(), 2u);
+  source.header.boot_id = 21;
+  source.next_seq = 3;
+  EXPECT_TRUE(source.send(3s));
+  EXPECT_TRUE(source.receiver.history().at(kStart + 1500ms));
+}
+
+TEST(PoseInput, RefusedDatagramDoesNotAdvanceTheSequence) {
+  PoseSource source;
+  ASSERT_TRUE(source.send(1s));
+  source.next_seq = 1'000'000;
+  EXPECT_FALSE(source.send(20s));
+  EXPECT_FALSE(source.send(1s));
+  source.next_seq = 2;
+  EXPECT_TRUE(source.send(2s));
+  EXPECT_EQ(source.rejected(Reject::sequence), 0u);
+}
+
+TEST(PoseInput, RefusesTimesAndPositionsWhoseDifferencesWouldOverflow) {
+  PoseSource source;
+  EXPECT_FALSE(source.send(1s, 1.1e8));
+  EXPECT_FALSE(source.send(1s, std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_FALSE(source.send(-std::chrono::hours(2'500'000)));
+  EXPECT_EQ(source.rejected(Reject::body_value), 3u);
+  EXPECT_TRUE(source.send(1s, 1e8));
 }
 
 TEST(PoseInput, RefusesOtherStreamsTypesAndMac) {
