@@ -2,107 +2,20 @@
 // frame; Tr takes Velodyne points (x forward, y left, z up: our body) to the camera.
 // Source: [GLU12] Geiger, Lenz, Urtasun, "Are we ready for autonomous driving?", CVPR 2012, and the odometry devkit.
 
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <fmt/format.h>
-#include <functional>
 
+#include "drivers/kitti_tables.hpp"
 #include "drivers/recording_source.hpp"
-#include "drivers/table.hpp"
 
 namespace scree::drivers {
 namespace {
 
-/// Calls `take(line_number, line)` for the lines of `file` that are not blank; its errors get "file:line: " before
-/// them.
-Status for_each_line(const std::filesystem::path& file,
-                     const std::function<Status(std::size_t, std::string_view)>& take) {
+template <class Parse>
+auto read(const std::filesystem::path& file, Parse parse) -> decltype(parse({}, {})) {
   const auto text = read_table_text(file);
   if (!text) return text.error();
-  std::string_view rest = *text;
-  for (std::size_t number = 1; !rest.empty(); ++number) {
-    const std::size_t end = rest.find('\n');
-    std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string_view::npos) continue;
-    line = line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin);
-    if (const auto taken = take(number, line); !taken)
-      return Error{taken.error().kind, fmt::format("{}:{}: {}", file.string(), number, taken.error().message)};
-  }
-  return {};
-}
-
-/// Twelve numbers, the upper three rows of a rigid 4 × 4 transform, row by row.
-Result<Pose> parse_transform(std::string_view line) {
-  Eigen::Matrix<double, 3, 4, Eigen::RowMajor> matrix;
-  Eigen::Index count = 0;
-  while (!line.empty()) {
-    const std::size_t end = line.find_first_of(" \t");
-    const auto number = parse_number(line.substr(0, end));
-    if (!number) return number.error();
-    if (count < 12) matrix.data()[count] = *number;
-    ++count;
-    line.remove_prefix(end == std::string_view::npos ? line.size() : end);
-    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-  }
-  if (count != 12)
-    return Error{ErrorKind::bad_data, fmt::format("expected the 12 numbers of a 3 x 4 transform, found {}", count)};
-  const Eigen::Matrix3d rotation = matrix.leftCols<3>();
-  const double skew = (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(skew < 1e-3) || rotation.determinant() < 0.0 || !(matrix.col(3).cwiseAbs().maxCoeff() < kTableMaxCoordinate_m))
-    return Error{ErrorKind::bad_data, fmt::format("expected a rigid transform (orthonormal within 1e-3), found {:.3g} "
-                                                  "off and determinant {:.3g}",
-                                                  skew, rotation.determinant())};
-  return Pose{matrix.col(3), Eigen::Quaterniond(rotation).normalized()};
-}
-
-Result<Pose> read_T_camera_velodyne(const std::filesystem::path& file) {
-  std::optional<Pose> T_camera_velodyne;
-  const auto read = for_each_line(file, [&](std::size_t, std::string_view line) -> Status {
-    if (!line.starts_with("Tr:")) return {};
-    line.remove_prefix(3);
-    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-    const auto pose = parse_transform(line);
-    if (!pose) return pose.error();
-    T_camera_velodyne = *pose;
-    return {};
-  });
-  if (!read) return read.error();
-  if (!T_camera_velodyne)
-    return Error{ErrorKind::bad_data,
-                 file.string() + ": expected a line 'Tr: <12 numbers>' (Velodyne to camera), found none"};
-  return *T_camera_velodyne;
-}
-
-Result<std::vector<Time>> read_times(const std::filesystem::path& file) {
-  std::vector<Time> times;
-  const auto read = for_each_line(file, [&](std::size_t, std::string_view line) -> Status {
-    const auto time = parse_seconds(line);
-    if (!time || std::abs(to_seconds(*time)) > kTableMaxSeconds)
-      return Error{ErrorKind::bad_data, fmt::format("expected decimal seconds, found '{}'", line.substr(0, 40))};
-    if (!times.empty() && Time(*time) <= times.back())
-      return Error{ErrorKind::bad_data,
-                   fmt::format("expected a time above {} s, found {}: times must increase",
-                               format_seconds(times.back().time_since_epoch()), line.substr(0, 40))};
-    times.emplace_back(*time);
-    return {};
-  });
-  if (!read) return read.error();
-  return times;
-}
-
-Result<std::vector<Pose>> read_camera_poses(const std::filesystem::path& file) {
-  std::vector<Pose> poses;
-  const auto read = for_each_line(file, [&](std::size_t, std::string_view line) -> Status {
-    const auto pose = parse_transform(line);
-    if (!pose) return pose.error();
-    poses.push_back(*pose);
-    return {};
-  });
-  if (!read) return read.error();
-  return poses;
+  return parse(*text, file.string());
 }
 
 /// Camera axes of the first frame → map axes: x forward = z, y left = −x, z up = −y.
@@ -133,11 +46,11 @@ Result<std::unique_ptr<Source>> open_kitti(const std::filesystem::path& director
                                            ReplayWindow window) {
   const auto files = list_files(directory / "velodyne", ".bin");
   if (!files) return files.error();
-  const auto times = read_times(directory / "times.txt");
+  const auto times = read(directory / "times.txt", parse_kitti_times);
   if (!times) return times.error();
-  const auto cameras = read_camera_poses(directory / "poses.txt");
+  const auto cameras = read(directory / "poses.txt", parse_kitti_poses);
   if (!cameras) return cameras.error();
-  const auto T_camera_velodyne = read_T_camera_velodyne(directory / "calib.txt");
+  const auto T_camera_velodyne = read(directory / "calib.txt", parse_kitti_calibration);
   if (!T_camera_velodyne) return T_camera_velodyne.error();
   if (times->size() != cameras->size())
     return Error{ErrorKind::bad_data,
