@@ -193,7 +193,10 @@ void Pipeline::publish(const std::stop_token& stop) {
     }
     if ((map_ended_ && map_ == sent) || stop.stop_requested()) break;
   }
-  if (const auto ended = publisher_->finish(status(MonotonicClock::now()), bye_reason()); !ended) fail(ended.error());
+  if (const auto ended = publisher_->finish(status(MonotonicClock::now()), bye_reason()); !ended) {
+    const std::lock_guard lock(mutex_);
+    publish_error_ = ended.error();
+  }
   copy_publisher_counters();
   const std::lock_guard lock(mutex_);
   finished_ = true;

@@ -57,6 +57,8 @@ class Pipeline {
   std::shared_ptr<const mapping::MapSnapshot> map() const;
   /// What ended the stream early, if anything did.
   std::optional<Error> error() const;
+  /// Why the last map could not be sent, if it could not; map() is complete all the same.
+  std::optional<Error> publish_error() const;
 
  private:
   void acquire(const std::stop_token& stop);
@@ -95,6 +97,7 @@ class Pipeline {
   std::optional<MonotonicTime> first_taken_;  ///< by the map stage
   std::shared_ptr<const mapping::MapSnapshot> map_;
   std::optional<Error> error_;
+  std::optional<Error> publish_error_;
   MonotonicTime last_frame_ = start_;
   std::uint64_t dropped_at_last_look_ = 0;
   MonotonicTime last_look_ = start_;

@@ -39,9 +39,7 @@ void Pipeline::note_first_frame() {
 void Pipeline::copy_publisher_counters() {
   const auto& counters = publisher_->counters();
   const std::lock_guard lock(mutex_);
-  statistics_.datagrams = counters.datagrams;
-  statistics_.bytes = counters.bytes;
-  statistics_.send_errors = counters.send_errors;
+  statistics_.publisher = counters;
 }
 
 NodeStatus Pipeline::status(MonotonicTime now) {
@@ -107,6 +105,11 @@ std::shared_ptr<const mapping::MapSnapshot> Pipeline::map() const {
 std::optional<Error> Pipeline::error() const {
   const std::lock_guard lock(mutex_);
   return error_;
+}
+
+std::optional<Error> Pipeline::publish_error() const {
+  const std::lock_guard lock(mutex_);
+  return publish_error_;
 }
 
 }  // namespace scree::node

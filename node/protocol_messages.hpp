@@ -18,7 +18,8 @@
 namespace scree::node::protocol {
 
 inline constexpr std::size_t kNameBytes = 32;  ///< with the closing NUL
-inline constexpr std::int64_t kMaxWindowTiles = 4096;  ///< bounds a receiver's memory
+/// Bounds a receiver's memory; a window of 2048 × 2048 cells touches as many when it is not aligned to tiles.
+inline constexpr std::int64_t kMaxWindowTiles = 65 * 65;
 inline constexpr Duration kMaxPoseTime = std::chrono::seconds(4'000'000'000);  ///< before and after 1970
 inline constexpr double kMaxPoseCoordinate_m = 1e8;
 inline constexpr std::size_t kMaxManifestTiles = 256;

@@ -3,8 +3,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <sys/random.h>
-#include <thread>
 
 #include "node/publisher_schedule.hpp"
 #include "node/udp_socket.hpp"
@@ -25,6 +25,18 @@ Status check_name(const std::string& key, const std::string& name) {
   return Error{ErrorKind::bad_config,
                fmt::format("publish.{}: expected 1 … {} bytes without control characters, found '{}'", key,
                            protocol::kNameBytes - 1, name)};
+}
+
+/// Empty when the snapshot can be published.
+std::string why_refused(const mapping::MapSnapshot& snapshot, double cell_m) {
+  const LatticeWindow& window = snapshot.window;
+  if (window.rows <= 0 || window.columns <= 0)
+    return fmt::format("expected a window of cells, found {} × {}", window.columns, window.rows);
+  if (const auto tiles = tiles_touched(window).tiles(); tiles > protocol::kMaxWindowTiles)
+    return fmt::format("expected a window of at most {} tiles, found {}", protocol::kMaxWindowTiles, tiles);
+  if (snapshot.cell_m != cell_m)
+    return fmt::format("expected cells of {} m as announced, found {} m", cell_m, snapshot.cell_m);
+  return {};
 }
 
 }  // namespace
@@ -60,9 +72,9 @@ void Publisher::submit(std::shared_ptr<const mapping::MapSnapshot> snapshot) {
   State& s = *state_;
   ++s.counters.snapshots;
   const LatticeWindow& window = snapshot->window;
-  if (window.rows <= 0 || window.columns <= 0 || tiles_touched(window).tiles() > protocol::kMaxWindowTiles ||
-      snapshot->cell_m != s.cell_m) {
-    ++s.counters.snapshots_refused;
+  if (const std::string reason = why_refused(*snapshot, s.cell_m); !reason.empty()) {
+    if (s.counters.snapshots_refused++ == 0)
+      spdlog::warn("map not published: {}; further ones are only counted", reason);
     return;
   }
   if (s.book.has_pending()) ++s.counters.snapshots_superseded;
@@ -78,36 +90,6 @@ void Publisher::submit(std::shared_ptr<const mapping::MapSnapshot> snapshot) {
 
 Duration Publisher::tick(MonotonicTime now, const NodeStatus& status) {
   return state_->tick(now, status);
-}
-
-Status Publisher::finish(const NodeStatus& status, protocol::ByeReason reason) {
-  constexpr Duration kShort = std::chrono::milliseconds(5);
-  State& s = *state_;
-  const double needed_s = static_cast<double>(s.book.blocks()) / s.bucket.per_second();
-  const MonotonicTime deadline = MonotonicClock::now() + std::chrono::seconds(1) + from_seconds(2.0 * needed_s);
-  s.book.mark_all_pending();
-  s.next_announce = {};  // a receiver must know the window before the last tiles come
-  s.manifest_wanted = true;
-  for (;;) {
-    const Duration due = s.tick(MonotonicClock::now(), status);
-    if (!s.book.has_pending() && s.outbox.empty() && !(s.has_map && s.manifest_wanted)) break;
-    if (MonotonicClock::now() > deadline) break;
-    std::this_thread::sleep_for(std::clamp<Duration>(due, std::chrono::microseconds(200), kShort));
-  }
-  const bool complete = !s.book.has_pending();
-  if (s.make_room(1)) s.send_heartbeat(MonotonicClock::now());
-  for (int copy = 0; copy < 3; ++copy) {
-    if (copy > 0) std::this_thread::sleep_for(kShort);
-    if (s.make_room(1)) s.send_bye(MonotonicClock::now(), reason, copy);
-    s.outbox.flush();
-  }
-  s.collect_counters();
-  if (s.outbox.error()) return *s.outbox.error();
-  if (complete && s.outbox.empty()) return {};
-  return Error{ErrorKind::io,
-               fmt::format("publish.destination {}: expected to send the last map within {:.1f} s, found the "
-                           "socket blocked or the pacing of {} datagrams/s too slow",
-                           s.settings.destination, 1.0 + 2.0 * needed_s, s.settings.datagrams_per_s)};
 }
 
 const PublisherCounters& Publisher::counters() const {

@@ -34,7 +34,7 @@ struct PublisherCounters {
   std::uint64_t blocks_refreshed = 0;      ///< of these, unchanged since they were last sent
   std::uint64_t snapshots = 0;             ///< submitted
   std::uint64_t snapshots_superseded = 0;  ///< replaced before all of their changes were sent
-  std::uint64_t snapshots_refused = 0;     ///< empty, more than 4096 tiles, or another cell size than announced
+  std::uint64_t snapshots_refused = 0;     ///< empty, more than kMaxWindowTiles, or another cell size than announced
   std::uint64_t cells_saturated = 0;       ///< values moved to the end of their layer's range, over all snapshots
 };
 
@@ -54,9 +54,9 @@ class Publisher {
   /// run backwards.
   Duration tick(MonotonicTime now, const NodeStatus& status);
 
-  /// Sends the whole newest map (paced), its manifests, a last heartbeat and BYE three times. Takes as long as the
-  /// pacing needs for the map's datagrams, at most twice that + 1 s. Errors: io (could not be sent in that time),
-  /// bad_config (`error()`).
+  /// Sends the whole newest map (paced, with heartbeats between), its manifests, a last heartbeat and BYE three times.
+  /// Takes as long as the pacing needs for the map's datagrams. Errors: io (for 2 s nothing could be sent), bad_config
+  /// (`error()`).
   Status finish(const NodeStatus& status, protocol::ByeReason reason = protocol::ByeReason::finished);
 
   const PublisherCounters& counters() const;

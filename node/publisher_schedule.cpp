@@ -107,17 +107,18 @@ void Publisher::State::send_announce(MonotonicTime now) {
   next_announce = now + kAnnouncePeriod;
 }
 
-void Publisher::State::send_manifests(MonotonicTime now) {
+bool Publisher::State::send_manifests(MonotonicTime now, const std::function<bool()>& room) {
   const TileWindow& tiles = book.window();
   constexpr auto kMaxTiles = static_cast<std::int32_t>(protocol::kMaxManifestTiles);
   const std::int32_t columns = std::min(tiles.columns, kMaxTiles);
   const std::int32_t rows = kMaxTiles / columns;
   protocol::Manifest message;
+  int sent = 0;
   for (std::size_t layer = 0; layer < kPublishedLayers.size(); ++layer) {
     message.layer = static_cast<std::uint8_t>(kPublishedLayers[layer]);
     for (std::int32_t y = 0; y < tiles.rows; y += rows) {
       for (std::int32_t x = 0; x < tiles.columns; x += columns) {
-        if (!make_room(1)) return;  // the next ones follow within 100 ms
+        if (!room()) return false;
         message.tx0 = tiles.min.tx + x;
         message.ty0 = tiles.min.ty + y;
         message.columns = static_cast<std::uint16_t>(std::min(columns, tiles.columns - x));
@@ -128,11 +129,14 @@ void Publisher::State::send_manifests(MonotonicTime now) {
             message.tile_rev[i++] = book.tile_rev(tiles.position({message.tx0 + c, message.ty0 + r}), layer);
         outbox.add(header(now), message);
         bucket.take(1);
+        ++sent;
       }
     }
   }
   manifest_wanted = false;
-  next_manifest = now + kManifestPeriod;
+  earliest_manifest = now + from_seconds(sent / (kManifestShare * bucket.per_second()));
+  next_manifest = std::max(now + kManifestPeriod, earliest_manifest);
+  return true;
 }
 
 void Publisher::State::send_unit(MonotonicTime now, TileUnit& unit) {
@@ -187,16 +191,19 @@ std::uint32_t Publisher::State::refresh_ms() const {
   return saturate<std::uint32_t>(std::max<std::int64_t>(settings.refresh_ms, static_cast<std::int64_t>(needed_ms)));
 }
 
+void Publisher::State::send_periodic(MonotonicTime now) {
+  if (now >= next_heartbeat && make_room(1)) send_heartbeat(now);
+  if (has_map && (now >= next_announce || !announced_window) && make_room(1)) send_announce(now);
+}
+
 Duration Publisher::State::tick(MonotonicTime now, const NodeStatus& node_status) {
   status = node_status;
   bucket.refill(now);
   if (started == MonotonicTime{}) started = now;
   if (outbox.flush()) {
-    if (now >= next_heartbeat && make_room(1)) send_heartbeat(now);
-    if (has_map && (now >= next_announce || !announced_window) && make_room(1)) send_announce(now);
+    send_periodic(now);
     if (has_map) send_tiles(now);
-    // as soon as all of a revision is out, and every 100 ms whatever is still waiting
-    if (has_map && (now >= next_manifest || (manifest_wanted && !book.has_pending()))) send_manifests(now);
+    if (has_map && now >= manifest_due()) send_manifests(now, [this] { return make_room(1); });
     outbox.flush();
   }
   collect_counters();
@@ -208,7 +215,7 @@ Duration Publisher::State::until_due(MonotonicTime now) const {
   if (!outbox.empty()) return kRetry;
   MonotonicTime due = next_heartbeat;
   if (has_map) {
-    due = std::min({due, next_announce, next_manifest});
+    due = std::min({due, next_announce, manifest_due()});
     // a few refreshes at a time, so that a quiet map does not wake the thread for each
     const Duration bundle = std::min<Duration>(8 * refresh_interval(), std::chrono::milliseconds(20));
     due = std::min(due, next_refresh + bundle);

@@ -1,6 +1,7 @@
 #pragma once
 // When what is sent. The sockets are below (Outbox), the tiles beside it (TileBook).
 
+#include <functional>
 #include <memory>
 
 #include "node/publisher.hpp"
@@ -13,6 +14,7 @@ namespace scree::node {
 inline constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds(100);
 inline constexpr Duration kAnnouncePeriod = std::chrono::seconds(1);
 inline constexpr Duration kManifestPeriod = std::chrono::milliseconds(100);
+inline constexpr double kManifestShare = 0.25;  ///< of the pacing, at most
 
 struct Publisher::State {
   State(UdpSocket socket, const config::PublishSettings& publish, drivers::Origin origin, double cell_m,
@@ -23,19 +25,31 @@ struct Publisher::State {
 
   void send_heartbeat(MonotonicTime now);
   void send_announce(MonotonicTime now);
-  void send_manifests(MonotonicTime now);
+  void send_periodic(MonotonicTime now);  ///< heartbeat and announcement, when due
+  /// Asks `room` before each datagram; false when there was none: the manifests are still to be sent.
+  bool send_manifests(MonotonicTime now, const std::function<bool()>& room);
   void send_tiles(MonotonicTime now);
   void send_unit(MonotonicTime now, TileUnit& unit);
   void send_bye(MonotonicTime now, protocol::ByeReason reason, int copy);
 
   Duration tick(MonotonicTime now, const NodeStatus& status);
   Duration until_due(MonotonicTime now) const;
+  /// As soon as all of a revision is out, and every 100 ms whatever is still waiting; both only as often as leaves
+  /// three quarters of the pacing to others.
+  MonotonicTime manifest_due() const {
+    return manifest_wanted && !book.has_pending() ? earliest_manifest : next_manifest;
+  }
   Duration refresh_interval() const;
   std::uint32_t refresh_ms() const;
   bool make_room(std::size_t datagrams) {
     return outbox.room() >= datagrams || (outbox.flush() && outbox.room() >= datagrams);
   }
   void collect_counters();
+
+  // of the end (publisher_finish.cpp); they sleep
+  bool wait_for_room(std::size_t datagrams);  ///< false: the kernel took nothing for 2 s
+  bool send_pending();                        ///< false: no block could be sent for 2 s
+  bool send_farewell(protocol::ByeReason reason, bool patient);
 
   config::PublishSettings settings;
   double cell_m;
@@ -55,6 +69,7 @@ struct Publisher::State {
   MonotonicTime started;
   MonotonicTime next_heartbeat;  // the epoch: due at once
   MonotonicTime next_announce;
+  MonotonicTime earliest_manifest;  // by their share of the pacing
   MonotonicTime next_manifest;
   MonotonicTime next_refresh;
   bool announced_window = false;  // the window is the one last announced

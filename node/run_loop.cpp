@@ -38,6 +38,7 @@ Result<Outcome> run_to_end(PipelineConfig config, std::unique_ptr<drivers::Sourc
   progress.clear();
   outcome.statistics = pipeline.statistics();
   outcome.map = pipeline.map();
+  outcome.publish_error = pipeline.publish_error();
   spdlog::info("{}", to_line(outcome.statistics));
   if (const auto error = pipeline.error()) return *error;
   if (outcome.map == nullptr && !outcome.interrupted)

@@ -14,6 +14,7 @@ struct Outcome {
   Statistics statistics;
   std::shared_ptr<const mapping::MapSnapshot> map;  ///< null: no frame was mapped
   bool interrupted = false;                         ///< by SIGINT or SIGTERM
+  std::optional<Error> publish_error;               ///< the map is complete but was not published whole
 };
 
 /// Runs until the source ends or a signal comes. Errors: what ended the source early; bad_data when it ended without

@@ -24,6 +24,16 @@ nlohmann::ordered_json pixel_json(const PixelCounts& pixels) {
           {"wrapped", pixels.wrapped}};
 }
 
+nlohmann::ordered_json publisher_json(const PublisherCounters& publisher) {
+  return {{"snapshots", publisher.snapshots},
+          {"snapshots_superseded", publisher.snapshots_superseded},
+          {"snapshots_refused", publisher.snapshots_refused},
+          {"blocks", publisher.blocks},
+          {"blocks_refreshed", publisher.blocks_refreshed},
+          {"cells_saturated", publisher.cells_saturated},
+          {"send_blocked", publisher.send_blocked}};
+}
+
 }  // namespace
 
 std::string to_line(const Statistics& s) {
@@ -31,7 +41,7 @@ std::string to_line(const Statistics& s) {
       "frames {} mapped {} dropped {} skipped {} pose-stale {} · map p50 {:.1f} p99 {:.1f} ms · "
       "cells {} · datagrams {}",
       s.frames_in, s.frames_mapped, s.frames_dropped, s.frames_skipped, s.frames_pose_stale, to_ms(s.latency_p50),
-      to_ms(s.latency_p99), s.cells_measured, s.datagrams);
+      to_ms(s.latency_p99), s.cells_measured, s.publisher.datagrams);
 }
 
 std::string to_json(const Statistics& s) {
@@ -48,14 +58,15 @@ std::string to_json(const Statistics& s) {
       {"points_other_surface", s.points_other_surface},
       {"cells_measured", s.cells_measured},
       {"latency_ms", {{"p50", to_ms(s.latency_p50)}, {"p99", to_ms(s.latency_p99)}, {"max", to_ms(s.latency_max)}}},
-      {"datagrams", s.datagrams},
-      {"bytes", s.bytes},
-      {"send_errors", s.send_errors},
+      {"datagrams", s.publisher.datagrams},
+      {"bytes", s.publisher.bytes},
+      {"send_errors", s.publisher.send_errors},
       {"lost", 0},
       {"rejected", s.rejected},
       {"elapsed_s", to_seconds(s.elapsed)},
       {"mapping_s", to_seconds(s.mapping)},
       {"frames_per_s", s.frames_per_s()},
+      {"publisher", publisher_json(s.publisher)},
       {"pixels", pixel_json(s.pixels)}};
   return json.dump(2);
 }

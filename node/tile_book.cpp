@@ -68,6 +68,12 @@ void TileBook::mark_all_pending() {
   pending_.splice(pending_.end(), sent_);
 }
 
+std::size_t TileBook::pending_blocks() const {
+  std::size_t count = 0;
+  for (const TileUnit& unit : pending_) count += static_cast<std::size_t>(block_count(unit.layer));
+  return count;
+}
+
 std::size_t TileBook::blocks() const {
   std::size_t per_tile = 0;
   for (const protocol::Layer layer : kPublishedLayers) per_tile += static_cast<std::size_t>(block_count(layer));

@@ -45,6 +45,9 @@ class TileBook {
   /// Everything is to be sent once more.
   void mark_all_pending();
 
+  /// Datagrams of the units that are pending. Walks them.
+  std::size_t pending_blocks() const;
+
   const TileWindow& window() const { return window_; }
   std::size_t units() const { return index_.size() * kPublishedLayers.size(); }
   /// Of one datagram each; a 16-bit layer takes two.

@@ -63,6 +63,7 @@ Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<dri
   if (!outcome) return outcome.error();
   const std::string caption = std::string(origin_name(run.origin)) + "   " + name;
   if (auto written = write_outputs(run.output, map_output, *outcome, caption); !written) return written.error();
+  if (outcome->publish_error) return *outcome->publish_error;
   return 0;
 }
 

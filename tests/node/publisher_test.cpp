@@ -7,11 +7,11 @@
 #include <thread>
 #include <tuple>
 
-#include "node/listener.hpp"
+#include "config/loader.hpp"
 #include "node/listener_assembly.hpp"
 #include "node/protocol.hpp"
-#include "node/udp_socket.hpp"
 #include "tests/node/maps.hpp"
+#include "tests/node/publishing.hpp"
 
 namespace scree::node {
 namespace {
@@ -19,34 +19,12 @@ namespace {
 using namespace std::chrono_literals;
 using drivers::Origin;
 using protocol::MessageType;
-
-constexpr LatticeWindow kWindow{{-70, 13}, 130, 200};  // 8 × 5 tiles, not aligned
-
-std::unique_ptr<Listener> open_listener(std::uint16_t port = 0) {
-  auto listener = Listener::open("127.0.0.1:" + std::to_string(port), {Origin::live, Origin::replay});
-  EXPECT_TRUE(listener) << listener.error().message;
-  return std::move(*listener);
-}
-
-config::PublishSettings settings_for(std::uint16_t port) {
-  config::PublishSettings settings;
-  settings.destination = "127.0.0.1:" + std::to_string(port);
-  settings.refresh_ms = 200;
-  return settings;
-}
-
-std::unique_ptr<Publisher> open_publisher(const config::PublishSettings& settings) {
-  auto publisher = Publisher::open(settings, Origin::live, 0.1, 0x01020304);
-  EXPECT_TRUE(publisher) << publisher.error().message;
-  return std::move(*publisher);
-}
-
-NodeStatus status() {
-  NodeStatus out;
-  out.frames_in = 12;
-  out.latency_p99_us = 345;
-  return out;
-}
+using test::kWindow;
+using test::open_listener;
+using test::open_publisher;
+using test::settings_for;
+using test::status;
+using test::Tap;
 
 /// Ticks and polls in turn until `done` or 5 s.
 template <class Done>
@@ -175,16 +153,6 @@ TEST(PublisherToListener, RestartedNodeLeavesNoCellOfItsOldMap) {
   EXPECT_EQ(test::known_cells(*listener->map()), 0u);
 }
 
-/// Takes what a publisher sends and hands it on to a function.
-struct Tap {
-  UdpSocket socket;
-  Tap() : socket(std::move(*UdpSocket::bind(*parse_endpoint("127.0.0.1:0", "tap"), "tap"))) {}
-  template <class Take>
-  void drain(Take take) {
-    EXPECT_TRUE(socket.receive(0ms, [&](std::span<const std::uint8_t> bytes, const Endpoint&) { take(bytes); }));
-  }
-};
-
 // 30 % loss, independent, 8 s on the test's own clock. Tiles count from the first ANNOUNCE (one a second) that comes
 // through: not among the first five with probability 2e-3. From then on there are 15 cycles of 200 ms for 240 blocks:
 // one is still missing with probability 240 · 0.3^15 = 3e-6. The draws are seeded: it either fails always or never.
@@ -289,6 +257,44 @@ TEST(Publisher, KeepsToItsPacing) {
     EXPECT_LE(count, 50 + 10 + 5) << interval;  // the rate, a full bucket, one overdraft for a set of manifests
   }
   EXPECT_NEAR(total, 1000, 40);
+}
+
+// 1200 cells, 7 manifests for each of 5 layers. Every 100 ms they would be 350 datagrams/s, more than there are.
+TEST(Publisher, ManifestsLeaveThreeQuartersOfThePacingToOthers) {
+  Tap tap;
+  auto settings = settings_for(tap.socket.local_port());
+  settings.datagrams_per_s = 300;
+  const auto publisher = open_publisher(settings);
+  publisher->submit(test::make_snapshot(1, {{-600, -600}, 1200, 1200}));
+  MonotonicTime now = MonotonicClock::now();
+  for (int step = 0; step < 800; ++step) {  // 4 s
+    now += 5ms;
+    publisher->tick(now, status());
+    tap.drain([](std::span<const std::uint8_t>) {});
+  }
+  EXPECT_NEAR(static_cast<double>(publisher->counters().datagrams), 1200.0, 60.0);
+  EXPECT_GT(publisher->counters().blocks, 0.6 * 1200);
+}
+
+TEST(Publisher, TakesTheLargestConfigurableMapWhereverItLies) {
+  constexpr int kCells = 2048;
+  ASSERT_TRUE(config::parse_settings("map: {size_cells: 2048}\n", "test.yaml", {}));
+  ASSERT_FALSE(config::parse_settings("map: {size_cells: 2049}\n", "test.yaml", {}));
+  for (std::int32_t x = 0; x < 32; ++x)
+    for (std::int32_t y = 0; y < 32; ++y)
+      ASSERT_LE(tiles_touched({{x, y}, kCells, kCells}).tiles(), protocol::kMaxWindowTiles) << x << ", " << y;
+  Tap tap;
+  const auto publisher = open_publisher(settings_for(tap.socket.local_port()));
+  const auto map = test::make_snapshot(1, {{31, 31}, kCells, kCells});  // 65 × 65 tiles
+  publisher->submit(map);
+  EXPECT_EQ(publisher->counters().snapshots_refused, 0u);
+  publisher->tick(map->received, status());
+  MapAssembly assembly({Origin::live});
+  tap.drain([&](std::span<const std::uint8_t> bytes) { assembly.accept(bytes, map->received); });
+  ASSERT_TRUE(assembly.announce());
+  EXPECT_EQ(assembly.announce()->window, map->window);
+  EXPECT_EQ(assembly.counters().rejected, 0u);
+  EXPECT_GT(publisher->counters().blocks, 0u);
 }
 
 TEST(Publisher, HeartbeatsComeBeforeTheFirstMap) {
