@@ -18,7 +18,7 @@ nlohmann::json replay(const std::string& scree, const fs::path& recording, const
   std::vector<std::string> command{scree,    "replay",    recording.string(),     "--rate",     "max",
                                    "--json", "--map-out", base.string() + ".npy", "--snapshot", base.string() + ".png"};
   for (const char* setting :
-       {"publish.destination=127.0.0.1:47914", "publish.listen=127.0.0.1:0", "map.cell_m=0.05", "map.size_cells=400"})
+       {"publish.destination=127.0.0.1:9", "publish.listen=127.0.0.1:0", "map.cell_m=0.05", "map.size_cells=400"})
     command.insert(command.end(), {"--set", setting});
   command.insert(command.end(), more.begin(), more.end());
   return nlohmann::json::parse(must_run(command));

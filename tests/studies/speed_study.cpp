@@ -37,7 +37,7 @@ struct Run {
 Run timed_replay(const std::string& scree, const fs::path& recording, const Case& c) {
   const auto start = std::chrono::steady_clock::now();
   const std::string out = must_run({"taskset", "-c", "0", scree, "replay", recording.string(), "--rate", "max",
-                                    "--json", "--set", "publish.destination=127.0.0.1:47916", "--set",
+                                    "--json", "--set", "publish.destination=127.0.0.1:9", "--set",
                                     "publish.listen=127.0.0.1:0", "--set", std::string("map.cell_m=") + c.cell_m});
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   return {wall.count(), nlohmann::json::parse(out)};

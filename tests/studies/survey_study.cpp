@@ -66,13 +66,16 @@ nlohmann::json drive(const std::string& scree, const std::string& survey, const 
                      const fs::path& base) {
   must_run({scree, "simulate", "--terrain", survey, "--sensor", sensor, "--trajectory", way.trajectory, "--noise",
             way.noise, "--seed", "1", "--out", base.string()});
-  test::Process listener({scree, "listen", "--address", "127.0.0.1:47913", "--map-out", base.string() + ".npy",
+  test::Process listener({scree, "listen", "--address", "127.0.0.1:0", "--map-out", base.string() + ".npy",
                           "--snapshot", base.string() + ".png", "--json"});
-  if (!listener.wait_for_text("listening")) fail("the listener did not start: " + listener.err());
-  const auto node = nlohmann::json::parse(
-      must_run({scree, "replay", base.string(), "--rate", "max", "--set", "publish.destination=127.0.0.1:47913",
-                "--set", "publish.listen=127.0.0.1:0", "--set", "map.size_cells=400", "--map-out",
-                base.string() + "_node.npy", "--json"}));
+  if (!listener.wait_for_text("listening at ")) fail("the listener did not start: " + listener.err());
+  const std::string log = listener.err();
+  const std::size_t at = log.find("listening at ") + std::string_view("listening at ").size();
+  const std::string address = log.substr(at, log.find_first_of(" \n", at) - at);  // port 0: the kernel chose one
+  const auto node =
+      nlohmann::json::parse(must_run({scree, "replay", base.string(), "--rate", "max", "--set",
+                                      "publish.destination=" + address, "--set", "publish.listen=127.0.0.1:0", "--set",
+                                      "map.size_cells=400", "--map-out", base.string() + "_node.npy", "--json"}));
   const test::Finished heard = listener.wait();
   if (heard.exit_code != 0) fail("listen ended with " + std::to_string(heard.exit_code) + "\n" + heard.err);
   if (nlohmann::json::parse(heard.out).at("cells_measured") != node.at("cells_measured"))

@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
                                      "--snapshot",
                                      base.string() + ".png",
                                      "--set",
-                                     "publish.destination=127.0.0.1:47915",
+                                     "publish.destination=127.0.0.1:9",
                                      "--set",
                                      "publish.listen=127.0.0.1:0"};
     if (with_pose) command.insert(command.end(), {"--config", (folder / "sensor.yaml").string()});
