@@ -76,7 +76,7 @@ Result<std::unique_ptr<Source>> open_recording(const std::filesystem::path& dire
   if (!frames) return frames.error();
   if (const auto there = check_directory(directory / "frames"); !there) return there.error();
   auto poses = recorded_poses == RecordedPoses::needed ? read_pose_track(directory / "poses.csv")
-                                                       : PoseTrack::make({StampedPose{}});
+                                                       : Result<PoseTrack>(PoseTrack::fixed(Pose{}));
   if (!poses) return poses.error();
   return make_file_source({directory.string(), std::move(*frames), std::move(*poses), std::move(description.sensor)},
                           window);
@@ -105,9 +105,7 @@ Result<std::unique_ptr<Source>> open_range_file(const std::filesystem::path& fil
   } else if (const auto fits = check_sensor(file, *sensor); !fits) {
     return fits.error();
   }
-  auto poses = PoseTrack::make({StampedPose{}});
-  if (!poses) return poses.error();
-  return make_file_source({file.string(), {{file, Time{}, 0}}, std::move(*poses), std::move(*sensor)}, {});
+  return make_file_source({file.string(), {{file, Time{}, 0}}, PoseTrack::fixed(Pose{}), std::move(*sensor)}, {});
 }
 
 }  // namespace scree::drivers

@@ -15,8 +15,13 @@ std::string seconds(Time time) {
   return format_seconds(time.time_since_epoch());
 }
 
-std::string coverage(const PoseTrack& poses) {
-  return fmt::format("{} to {} s", seconds(poses.begin()), seconds(poses.end()));
+/// Why there is no pose at `time`: "the poses cover …".
+std::string coverage(const PoseTrack& poses, Time time) {
+  if (const auto gap = poses.gap_at(time))
+    return fmt::format("the poses around it, at {} and {} s, are more than {} s apart and differ", seconds(gap->before),
+                       seconds(gap->after), format_seconds(PoseTrack::kMaxGap));
+  if (poses.poses().size() == 1) return fmt::format("the poses cover {} s only", seconds(poses.begin()));
+  return fmt::format("the poses cover {} to {} s", seconds(poses.begin()), seconds(poses.end()));
 }
 
 class FileSource final : public Source {
@@ -64,8 +69,8 @@ class FileSource final : public Source {
       const auto pose = setup_.poses.at(frame.row_time[r]);
       if (!pose)
         return Error{ErrorKind::bad_data,
-                     fmt::format("{}: expected a pose at {} s (row {}), the poses cover {}", entry.file.string(),
-                                 seconds(frame.row_time[r]), r, coverage(setup_.poses))};
+                     fmt::format("{}: expected a pose at {} s (row {}), {}", entry.file.string(),
+                                 seconds(frame.row_time[r]), r, coverage(setup_.poses, frame.row_time[r]))};
       frame.T_map_body[r] = *pose;
     }
     frame.received = MonotonicClock::now();
@@ -116,9 +121,9 @@ Result<std::unique_ptr<Source>> make_file_source(FileSourceSetup setup, const Re
   const auto covered = [&](const FrameEntry& frame) { return setup.poses.at(frame.time).has_value(); };
   if (std::none_of(setup.frames.begin(), setup.frames.end(), covered))
     return Error{ErrorKind::bad_data,
-                 fmt::format("{}: expected poses at the times of the frames, {} to {} s; the poses cover {}, no frame",
-                             setup.name, seconds(setup.frames.front().time), seconds(setup.frames.back().time),
-                             coverage(setup.poses))};
+                 fmt::format("{}: expected poses at the times of the frames, {} to {} s; {}, no frame", setup.name,
+                             seconds(setup.frames.front().time), seconds(setup.frames.back().time),
+                             coverage(setup.poses, setup.frames.front().time))};
   return std::unique_ptr<Source>(std::make_unique<FileSource>(std::move(setup)));
 }
 

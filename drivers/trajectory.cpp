@@ -94,6 +94,12 @@ Result<Trajectory> make_trajectory(std::string_view specification, const Terrain
   if (config.hold > Duration{0}) poses.push_back({poses.back().time + config.hold, poses.back().T_map_body});
   auto track = PoseTrack::make(std::move(poses));
   if (!track) return track.error();
+  for (const StampedPose& pose : track->poses())
+    if (const auto gap = track->gap_at(pose.time + Duration(1)))  // a recording of it could not be replayed
+      return Error{ErrorKind::bad_data,
+                   fmt::format("trajectory: expected different poses at most {} s apart, found {} and {} s",
+                               format_seconds(PoseTrack::kMaxGap), format_seconds(gap->before.time_since_epoch()),
+                               format_seconds(gap->after.time_since_epoch()))};
   trajectory.track = *std::move(track);
   return trajectory;
 }

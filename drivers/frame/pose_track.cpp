@@ -8,6 +8,12 @@ namespace scree {
 namespace {
 
 constexpr double kNormTolerance = 1e-3;
+constexpr double kSame_m = 1e-9;
+constexpr double kSame_rad = 1e-9;
+
+bool same(const Pose& a, const Pose& b) {
+  return (a.translation_m - b.translation_m).norm() <= kSame_m && a.rotation.angularDistance(b.rotation) <= kSame_rad;
+}
 
 Error wrong_pose(std::size_t index, std::string_view expected, const std::string& found) {
   return {ErrorKind::bad_data, fmt::format("pose {}: expected {}, found {}", index, expected, found)};
@@ -41,11 +47,32 @@ Result<PoseTrack> PoseTrack::make(std::vector<StampedPose> poses) {
   return track;
 }
 
+PoseTrack PoseTrack::fixed(const Pose& T_map_body) {
+  PoseTrack track;
+  track.poses_ = {{Time{}, T_map_body}};
+  track.poses_.front().T_map_body.rotation.normalize();
+  track.fixed_ = true;
+  return track;
+}
+
+std::vector<StampedPose>::const_iterator PoseTrack::first_after(Time time) const {
+  return std::upper_bound(poses_.begin(), poses_.end(), time,
+                          [](Time t, const StampedPose& pose) { return t < pose.time; });
+}
+
+std::optional<PoseTrack::Gap> PoseTrack::gap_at(Time time) const {
+  const auto after = first_after(time);
+  if (fixed_ || after == poses_.begin() || after == poses_.end()) return std::nullopt;
+  const auto before = after - 1;
+  if (before->time == time || after->time - before->time <= kMaxGap || same(before->T_map_body, after->T_map_body))
+    return std::nullopt;
+  return Gap{before->time, after->time};
+}
+
 std::optional<Pose> PoseTrack::at(Time time) const {
-  if (poses_.size() == 1) return poses_.front().T_map_body;
-  if (poses_.empty() || time < begin() || time > end()) return std::nullopt;
-  const auto after = std::upper_bound(poses_.begin(), poses_.end(), time,
-                                      [](Time t, const StampedPose& pose) { return t < pose.time; });
+  if (fixed_) return poses_.front().T_map_body;
+  if (poses_.empty() || time < begin() || time > end() || gap_at(time)) return std::nullopt;
+  const auto after = first_after(time);
   if (after == poses_.end()) return poses_.back().T_map_body;
   const auto before = after - 1;
   const double weight = to_seconds(time - before->time) / to_seconds(after->time - before->time);

@@ -80,16 +80,16 @@ class RecordingTest : public testing::Test {
     std::ofstream(root() / name, std::ios::binary) << text;
   }
 
-  /// A recording of 2 × 3 depth images at 0, 1, 2 s whose poses span 0 … `poses_end_s`.
-  void write_depth_recording(int frames, double poses_end_s = 10.0) const {
+  /// A recording of 2 × 3 depth images at 0, 1, 2 s, driven along x at 1 m/s; poses at 0, 1, … 10 s.
+  void write_depth_recording(int frames) const {
     auto writer = RecordingWriter::create(root(), "scree_recording: 1\n");
     ASSERT_TRUE(writer) << writer.error().message;
     Grid<std::uint16_t> raw(2, 3, 1000);
     raw(0, 0) = 0;
     for (int i = 0; i < frames; ++i)
       ASSERT_TRUE(writer->add_raw_frame(ProjectionKind::pinhole, raw, at(i), static_cast<std::uint64_t>(i)));
-    ASSERT_TRUE(writer->add_pose({at(0.0), {}}));
-    ASSERT_TRUE(writer->add_pose({at(poses_end_s), {{10.0, 0.0, 0.0}, Eigen::Quaterniond::Identity()}}));
+    for (int i = 0; i <= 10; ++i)
+      ASSERT_TRUE(writer->add_pose({at(i), {{1.0 * i, 0.0, 0.0}, Eigen::Quaterniond::Identity()}}));
     ASSERT_TRUE(writer->finish());
   }
 
@@ -131,7 +131,7 @@ TEST_F(RecordingTest, EveryPerceptronFrameReadsBackToItsCounts) {
     auto writer = RecordingWriter::create(root(), "");
     ASSERT_TRUE(writer);
     ASSERT_TRUE(writer->add_raw_frame(kind, raw, at(1.5), 3));
-    ASSERT_TRUE(writer->add_pose({at(0.0), {}}));
+    ASSERT_TRUE(writer->add_pose({at(1.5), {}}));
     ASSERT_TRUE(writer->finish());
     const auto source = open(of_kind(kind));
     ASSERT_TRUE(source) << source.error().message;
@@ -192,8 +192,9 @@ TEST_F(RecordingTest, EveryRowHasThePoseOfItsOwnTime) {
   auto writer = RecordingWriter::create(root(), "");
   ASSERT_TRUE(writer);
   ASSERT_TRUE(writer->add_raw_frame(ProjectionKind::perceptron_cmu, Grid<std::uint16_t>(256, 256, 5), at(1.0), 0));
+  const Eigen::Quaterniond eighth(Eigen::AngleAxisd(std::numbers::pi / 4, Eigen::Vector3d::UnitZ()));
   const Eigen::Quaterniond quarter(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
-  ASSERT_TRUE(writer->add_pose({at(0.0), {}}));
+  ASSERT_TRUE(writer->add_pose({at(1.0), {{2.0, 0.0, 0.0}, eighth}}));
   ASSERT_TRUE(writer->add_pose({at(2.0), {{4.0, 0.0, 0.0}, quarter}}));
   ASSERT_TRUE(writer->finish());
   const auto source = open(cmu_scanner(1953125ns));  // 256 rows in half a second
@@ -289,11 +290,57 @@ TEST_F(RecordingTest, PosesThatCoverNoFrameAreBadData) {
               HasSubstr("expected poses at the times of the frames, 0 to 2 s; the poses cover 100 to 101 s"));
 }
 
-TEST_F(RecordingTest, OnePoseIsAStaticSensor) {
+TEST_F(RecordingTest, OnePoseCoversItsOwnTimeOnly) {
   write_depth_recording(3);
   write("poses.csv", std::string(kPoses) + "100,7,0,0,0,0,0,1\n");
+  EXPECT_EQ(open_error().kind, ErrorKind::bad_data);
+  EXPECT_THAT(open_error().message, HasSubstr("times of the frames, 0 to 2 s; the poses cover 100 s only, no frame"));
+  write("poses.csv", std::string(kPoses) + "1,7,0,0,0,0,0,1\n");
   const auto source = open();
+  ASSERT_TRUE(source) << source.error().message;
+  const auto delivered = drain(**source);
+  ASSERT_EQ(delivered.frames.size(), 1u);
+  EXPECT_EQ(delivered.frames[0]->T_map_body[1].translation_m.x(), 7.0)
+      << "rows without a period share the frame's time";
+  ASSERT_EQ(delivered.skipped.size(), 2u);
+  EXPECT_THAT(delivered.skipped[1], HasSubstr("expected a pose at 2 s (row 0), the poses cover 1 s only"));
+}
+
+TEST_F(RecordingTest, OnePoseDoesNotCoverTheLaterRowsOfAFrame) {
+  auto writer = RecordingWriter::create(root(), "");
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->add_raw_frame(ProjectionKind::perceptron_cmu, Grid<std::uint16_t>(256, 256, 5), at(1), 0));
+  ASSERT_TRUE(writer->add_pose({at(1), {}}));
+  ASSERT_TRUE(writer->finish());
+  const auto source = open(cmu_scanner(1ms));
   ASSERT_TRUE(source);
+  const auto delivered = drain(**source);
+  ASSERT_TRUE(delivered.error);
+  EXPECT_EQ(delivered.error->kind, ErrorKind::bad_data);
+  EXPECT_THAT(delivered.error->message, HasSubstr("expected a pose at 1.001 s (row 1), the poses cover 1 s only"));
+}
+
+TEST_F(RecordingTest, FramesInsideAGapOfThePosesAreSkipped) {
+  write_depth_recording(3);
+  write("poses.csv", std::string(kPoses) + "0,0,0,0,0,0,0,1\n0.5,0,0,0,0,0,0,1\n1.75,1,0,0,0,0,0,1\n2,1,0,0,0,0,0,1\n");
+  const auto source = open();
+  ASSERT_TRUE(source) << source.error().message;
+  const auto delivered = drain(**source);
+  EXPECT_EQ(delivered.frames.size(), 2u);
+  ASSERT_EQ(delivered.skipped.size(), 1u);
+  EXPECT_THAT(delivered.skipped[0],
+              HasSubstr("000001.pgm: expected a pose at 1 s (row 0), the poses around it, at 0.5 and 1.75 s, are more "
+                        "than 1 s apart and differ"));
+  write("poses.csv", std::string(kPoses) + "-1000,0,0,0,0,0,0,1\n1000,9,0,0,0,0,0,1\n");
+  EXPECT_EQ(open_error().kind, ErrorKind::bad_data);
+  EXPECT_THAT(open_error().message, HasSubstr("at -1000 and 1000 s, are more than 1 s apart and differ, no frame"));
+}
+
+TEST_F(RecordingTest, TwoEqualPosesFarApartAreAStaticSensor) {
+  write_depth_recording(3);
+  write("poses.csv", std::string(kPoses) + "-1000,7,0,0,0,0,0,1\n1000,7,0,0,0,0,0,1\n");
+  const auto source = open();
+  ASSERT_TRUE(source) << source.error().message;
   const auto delivered = drain(**source);
   ASSERT_EQ(delivered.frames.size(), 3u);
   EXPECT_EQ(delivered.frames[2]->T_map_body[0].translation_m.x(), 7.0);

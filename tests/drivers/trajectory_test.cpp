@@ -130,6 +130,11 @@ void expect_error(const std::string& specification, ErrorKind kind, const std::s
   EXPECT_NE(drive.error().message.find(text), std::string::npos) << drive.error().message;
 }
 
+TEST(Trajectory, FileOfPosesWithAGapIsRefused) {
+  const auto file = write_csv("gap.csv", "t_s,x_m,y_m,z_m,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n1.5,1,2,5,0,0,0,1\n");
+  expect_error(file, ErrorKind::bad_data, "expected different poses at most 1 s apart, found 0 and 1.5 s");
+}
+
 TEST(Trajectory, UsageErrorsNameTheGrammar) {
   expect_error("line:0,0,0,1", ErrorKind::usage, "line:X0,Y0,HEADING_DEG,LENGTH_M,SPEED_MPS");
   expect_error("line:0,0,0,1,x", ErrorKind::usage, "'x' is not a finite number");

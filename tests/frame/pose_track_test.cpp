@@ -44,10 +44,49 @@ TEST(PoseTrack, CoversItsEndsAndNothingBeyond) {
   EXPECT_FALSE(track->at(at_ms(21)));
 }
 
-TEST(PoseTrack, OfOnePoseHoldsAtEveryTime) {
+TEST(PoseTrack, OfOnePoseHoldsAtItsOwnTimeOnly) {
   const auto track = PoseTrack::make({{at_ms(10), yawed(3.0, 0.0)}});
   ASSERT_TRUE(track);
-  EXPECT_DOUBLE_EQ(track->at(at_ms(-5000))->translation_m.x(), 3.0);
+  EXPECT_DOUBLE_EQ(track->at(at_ms(10))->translation_m.x(), 3.0);
+  EXPECT_FALSE(track->at(at_ms(10) - Duration(1)));
+  EXPECT_FALSE(track->at(at_ms(10) + Duration(1)));
+}
+
+TEST(PoseTrack, FixedHoldsAtEveryTime) {
+  Pose pose = yawed(3.0, 0.5);
+  pose.rotation.coeffs() *= 0.5;
+  const auto track = PoseTrack::fixed(pose);
+  for (const int ms : {-5000, 0, 5000}) {
+    ASSERT_TRUE(track.at(at_ms(ms)));
+    EXPECT_DOUBLE_EQ(track.at(at_ms(ms))->translation_m.x(), 3.0);
+    EXPECT_NEAR(track.at(at_ms(ms))->rotation.norm(), 1.0, 1e-15);
+    EXPECT_FALSE(track.gap_at(at_ms(ms)));
+  }
+}
+
+TEST(PoseTrack, DoesNotInterpolateOverAGapBetweenDifferentPoses) {
+  const int limit_ms = 1000;
+  ASSERT_EQ(PoseTrack::kMaxGap, Duration(std::chrono::milliseconds(limit_ms)));
+  for (const Pose& other : {yawed(1.0, 0.0), yawed(0.0, 0.1)}) {
+    const auto track =
+        PoseTrack::make({{at_ms(0), yawed(0.0, 0.0)}, {at_ms(limit_ms), other}, {at_ms(2 * limit_ms + 1), {}}});
+    ASSERT_TRUE(track);
+    EXPECT_TRUE(track->at(at_ms(500))) << "the gap may be as long as the limit";
+    EXPECT_FALSE(track->at(at_ms(1500)));
+    ASSERT_TRUE(track->gap_at(at_ms(1500)));
+    EXPECT_EQ(track->gap_at(at_ms(1500))->before, at_ms(1000));
+    EXPECT_EQ(track->gap_at(at_ms(1500))->after, at_ms(2001));
+    for (const int known_ms : {1000, 2001}) EXPECT_TRUE(track->at(at_ms(known_ms))) << "poses at both ends are known";
+  }
+}
+
+TEST(PoseTrack, OfABodyThatStandsStillHoldsForAnyTime) {
+  Pose opposite = yawed(2.0, 0.3);
+  opposite.rotation.coeffs() *= -1.0;  // the same rotation
+  const auto track = PoseTrack::make({{at_ms(0), yawed(2.0, 0.3)}, {at_ms(2'000'000), opposite}});
+  ASSERT_TRUE(track);
+  ASSERT_TRUE(track->at(at_ms(700'000)));
+  EXPECT_NEAR(track->at(at_ms(700'000))->translation_m.x(), 2.0, 1e-12);
 }
 
 TEST(PoseTrack, NormalisesNearlyUnitQuaternions) {

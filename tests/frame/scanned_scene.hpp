@@ -140,7 +140,7 @@ inline Scan scan(std::shared_ptr<const Projection> projection, const SensorConfi
 }
 
 inline PoseTrack standing(const Pose& pose = {}) {
-  return *PoseTrack::make({{Time{}, pose}});
+  return PoseTrack::fixed(pose);
 }
 
 inline std::uint64_t accounted(const PixelCounts& n) {

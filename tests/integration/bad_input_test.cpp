@@ -97,7 +97,8 @@ TEST(BadInput, PosesThatCoverNothingOrAreNotFiniteAre65) {
   const TemporaryFolder folder;
   const auto copy = copy_of_recording(folder);
   const std::string header = "t_s,x_m,y_m,z_m,qx,qy,qz,qw\n";
-  for (const char* rows : {"", "900,0,0,0,0,0,0,1\n901,0,0,0,0,0,0,1\n", "0,nan,0,0,0,0,0,1\n9,0,0,0,0,0,0,1\n"}) {
+  for (const char* rows : {"", "900,0,0,0,0,0,0,1\n901,0,0,0,0,0,0,1\n", "0,nan,0,0,0,0,0,1\n9,0,0,0,0,0,0,1\n",
+                           "100,0,0,0,0,0,0,1\n", "-1000,0,0,0,0,0,0,1\n1000,5,0,0,0,0,0,1\n"}) {
     write_file(copy / "poses.csv", header + rows);
     const auto finished = scree(replay(copy.string(), {"--rate", "max"}));
     EXPECT_EQ(finished.exit_code, 65) << rows << finished.err;

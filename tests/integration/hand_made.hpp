@@ -48,8 +48,9 @@ inline std::filesystem::path make_depth_recording(const std::filesystem::path& d
   std::string frames = "file,t_s,sequence\n";
   for (std::size_t i = 0; i < times_s.size(); ++i) frames += fmt::format("flat.pgm,{:.6f},{}\n", times_s[i], i);
   write_file(directory / "frames.csv", frames);
-  write_file(directory / "poses.csv", fmt::format("t_s,x_m,y_m,z_m,qx,qy,qz,qw\n-1,{},0,0,0,0,0,1\n99,{},0,0,0,0,0,1\n",
-                                                  -speed_mps, 99.0 * speed_mps));
+  std::string poses = "t_s,x_m,y_m,z_m,qx,qy,qz,qw\n";
+  for (int t_s = -1; t_s < 100; ++t_s) poses += fmt::format("{},{},0,0,0,0,0,1\n", t_s, speed_mps * t_s);
+  write_file(directory / "poses.csv", poses);
   return directory;
 }
 
