@@ -28,13 +28,48 @@ MapPoint map_point(const RayTables& tables, const RowPoses& poses, int row, std:
   return {poses.anchor_map_m + local.cast<double>(), variance * (down * down + across * across)};
 }
 
+/// The same in the body frame of the pixel's own row.
+Eigen::Vector3f body_point(const RayTables& tables, const Eigen::Matrix3f& rotation, std::size_t i, float range_m) {
+  const Projection& p = *tables.projection;
+  const Eigen::Vector3f direction(p.direction_x[i], p.direction_y[i], p.direction_z[i]);
+  const Eigen::Vector3f origin(p.origin_x_m[i], p.origin_y_m[i], p.origin_z_m[i]);
+  return rotation * (origin + range_m * direction) + tables.sensor->T_body_sensor.translation_m.cast<float>();
+}
+
 }  // namespace
+
+void PlaneSums::add(const Eigen::Vector3f& point_m) {
+  const double px = point_m.x();
+  const double py = point_m.y();
+  const double pz = point_m.z();
+  n += 1.0;
+  x += px;
+  y += py;
+  z += pz;
+  xx += px * px;
+  xy += px * py;
+  yy += py * py;
+  xz += px * pz;
+  yz += py * pz;
+}
+
+double PlaneSums::slope() const {
+  const double sxx = xx - x * x / n;
+  const double sxy = xy - x * y / n;
+  const double syy = yy - y * y / n;
+  const double sxz = xz - x * z / n;
+  const double syz = yz - y * z / n;
+  const double area = sxx * syy - sxy * sxy;
+  if (!(area > 1e-6 * (sxx + syy) * (sxx + syy))) return 0.0;
+  return std::hypot(sxz * syy - syz * sxy, syz * sxx - sxz * sxy) / area;
+}
 
 void PhaseEvidence::collect(const RayTables& tables, const RowPoses& poses, const GroundLookup& ground,
                             const Surfaces& surfaces, const Grid<PixelState>& state, const Grid<float>& range_m) {
   surfaces_.clear();
   index_of_root_.assign(state.size(), -1);
   vote_.assign(state.size(), static_cast<std::int8_t>(kNoVote));
+  body_rotation_ = tables.sensor->T_body_sensor.rotation.toRotationMatrix().cast<float>();
   std::size_t i = 0;
   for (int row = 0; row < state.rows(); ++row)
     for (int column = 0; column < state.columns(); ++column, ++i) {
@@ -66,11 +101,17 @@ void PhaseEvidence::vote_by_ground(const RayTables& tables, std::size_t i, float
   const float near = tables.ground_near_m[i];
   const float far = tables.ground_far_m[i];
   if (near > far) return;
+  const bool anchors = tables.anchors(i);
+  evidence.asked += anchors ? 1 : 0;
   const float ambiguity = static_cast<float>(tables.projection->ambiguity_m);
   for (int k = kFirstCandidate; k <= 1; ++k) {
     const float candidate_m = range_m + static_cast<float>(k) * ambiguity;
     if (candidate_m < near || candidate_m > far || !SurfaceEvidence::representable(k - relative)) continue;
     ++evidence.ground[SurfaceEvidence::bin(k - relative)];
+    if (anchors) {
+      ++evidence.anchor[SurfaceEvidence::bin(k - relative)];
+      evidence.anchor_plane.add(body_point(tables, body_rotation_, i, candidate_m));
+    }
     vote_[i] = static_cast<std::int8_t>(k);
     return;
   }

@@ -1,12 +1,14 @@
 #include "drivers/frame/phase_resolution.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace scree {
 namespace {
 
-constexpr int kMajority = 10;      // the winner's votes are at least this many times the runner-up's
-constexpr double kMapShare = 0.3;  // of the candidates over mapped ground, those that must lie on it
+constexpr int kMajority = 10;               // the winner's votes are at least this many times the runner-up's
+constexpr double kGroundShare = 2.0 / 3.0;  // of the pixels asked for ground near the robot, those that must read it
+constexpr double kMapShare = 0.3;           // of the candidates over mapped ground, those that must lie on it
 constexpr double kFirstIntervalShare = 0.05;
 
 }  // namespace
@@ -47,9 +49,13 @@ PhaseResolver::Decision PhaseResolver::decide(const SurfaceEvidence& evidence, c
   if (best < filter.anchor_min_pixels) return {};
   const int interval = static_cast<int>(best_bin) - SurfaceEvidence::kBins / 2;
   if (second * kMajority > best || evidence.twisted) return {Verdict::contradiction, interval};
-  if (evidence.ground[best_bin] < filter.anchor_min_pixels &&
-      evidence.mapped[best_bin] < kMapShare * evidence.covered[best_bin])
-    return {};
+  if (evidence.asked >= filter.anchor_min_pixels && evidence.anchor[best_bin] < kGroundShare * evidence.asked)
+    return {Verdict::contradiction, interval};
+  const bool on_ground = evidence.anchor[best_bin] >= filter.anchor_min_pixels &&
+                         evidence.anchor_plane.slope() <= std::tan(filter.anchor_slope_rad);
+  const bool on_map = evidence.mapped[best_bin] >= filter.anchor_min_pixels &&
+                      evidence.mapped[best_bin] >= kMapShare * evidence.covered[best_bin];
+  if (!on_ground && !on_map) return {};
   return {Verdict::anchored, interval};
 }
 

@@ -8,8 +8,10 @@ namespace scree {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr double kLooksDown = -0.02;   // z of a unit ray in the body frame
-constexpr double kMaxLevelStep = 1.0;  // a level step beyond the range itself is horizon, not ground
+constexpr double kLooksDown = -0.02;    // z of a unit ray in the body frame
+constexpr float kAnchorShare = 0.125F;  // of the ambiguity: chance that a reading of any phase lies within the bounds
+constexpr float kAnchorFactor = 1.5F;   // beyond the narrowest bounds of the sensor
+constexpr double kMaxLevelStep = 1.0;   // a level step beyond the range itself is horizon, not ground
 
 struct BodyRay {
   Eigen::Vector3d origin_m;
@@ -78,6 +80,16 @@ void fill_ground(RayTables& tables, int row, int column, const BodyRay& ray) {
   far = static_cast<float>(far_m);
 }
 
+/// Bounds become wide with distance, until any phase lies within them.
+float anchor_width(const RayTables& tables) {
+  float narrowest = kInfinity;
+  for (std::size_t i = 0; i < tables.ground_near_m.size(); ++i)
+    if (tables.ground_near_m[i] <= tables.ground_far_m[i])
+      narrowest = std::min(narrowest, tables.ground_far_m[i] - tables.ground_near_m[i]);
+  const float ambiguity = static_cast<float>(tables.projection->ambiguity_m);
+  return std::max(kAnchorShare * ambiguity, kAnchorFactor * narrowest);
+}
+
 void fill_image_row(RayTables& tables, int row) {
   const Projection& p = *tables.projection;
   const double grazing_rad = tables.sensor->filter.grazing_rad;
@@ -121,6 +133,7 @@ void RayTables::prepare(const std::shared_ptr<const Projection>& new_projection,
           fill_self(*this, *mask, row, column, body_ray(*this, row, column));
     }
   });
+  if (image && projection->ambiguity_m > 0.0) anchor_width_m = anchor_width(*this);
 }
 
 }  // namespace scree

@@ -28,6 +28,10 @@ struct RayTables {
   /// Ambiguous sensors only: the ranges at which the ray can meet ground near the robot, where the phase tells them
   /// apart; near > far elsewhere.
   Grid<float> ground_near_m, ground_far_m;
+  float anchor_width_m = 0.0F;  ///< far − near of the pixels whose readings anchor a surface is at most this
+  bool anchors(std::size_t i) const {
+    return ground_far_m[i] - ground_near_m[i] <= anchor_width_m && ground_near_m[i] <= ground_far_m[i];
+  }
   /// Ambiguous sensors only: where the ray meets level ground through the body's origin; 0 where it does not.
   Grid<float> level_ground_m;
 

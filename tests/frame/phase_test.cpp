@@ -85,6 +85,38 @@ TEST(PhaseResolution, DropsWhatNothingAnchorsEvenInsideTheLimits) {
   EXPECT_GT(result.points.counts.ambiguous, 10'000U);
 }
 
+/// Level ground up to `edge_m` ahead of the body, and a level floor `depth_m` below it beyond.
+Scene quarry(double edge_m, double depth_m) {
+  return nearest(part(kGround, [=](const auto& p) { return p.x() < edge_m; }), plane({0, 0, -depth_m}, {0, 0, 1}));
+}
+
+// 40 m ambiguity, bounds of near ground up to 40 m wide: some pixels of each scene read ground by chance.
+TEST(PhaseResolution, NothingButAFarWallOrADeepFloorIsDropped) {
+  const auto projection = projection_of(ProjectionKind::perceptron_cmu, 256, 256);
+  const auto sensor = sensor_at(1.6, 0.45, 100.0);
+  for (const Scene& scene : {plane({55.0, 0, 0}, {-1, 0, 0}), quarry(1.0, 38.0), quarry(1.0, 41.0)}) {
+    const auto result = convert(scan(projection, sensor, standing(), scene));
+    EXPECT_EQ(result.wrong, 0);
+    EXPECT_EQ(result.points.counts.points, 0U);
+    const PixelCounts& n = result.points.counts;
+    EXPECT_EQ(n.ambiguous + n.speckle + n.mixed, n.pixels - n.no_return);  // distant rows are speckle before that
+    EXPECT_GT(n.ambiguous, 25'000U);
+  }
+}
+
+// The ground in front of a drop or a wall anchors itself, and what lies beyond the drop is dropped.
+TEST(PhaseResolution, GroundInFrontOfACliffOrAWallStays) {
+  const auto projection = projection_of(ProjectionKind::perceptron_cmu, 256, 256);
+  const auto sensor = sensor_at(1.6, 0.45, 100.0);
+  const Scene wall = plane({6.0, 0, 0}, {-1, 0, 0});
+  for (const Scene& scene : {quarry(4.0, 10.0), quarry(4.0, 25.0), nearest(kGround, wall)}) {
+    const auto seen = scan(projection, sensor, standing(), scene);
+    const auto result = convert(seen);
+    EXPECT_EQ(result.wrong, 0);
+    EXPECT_GT(points_within(result.points, 4.0F), pixels_within(seen, 4.0F) * 97 / 100);
+  }
+}
+
 TEST(PhaseResolution, AssumesTheFirstIntervalOnlyWhenToldTo) {
   const auto projection = projection_of(ProjectionKind::perceptron_usf, 128, 128);
   auto sensor = sensor_at(1.6, 0.0, 20.0);
