@@ -22,6 +22,7 @@ add_library(scree_flags INTERFACE)
 target_include_directories(scree_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(scree_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>  # g++ 12 cries wolf over std::optional of Eigen vectors
   -ffp-contract=off)
 set(SCREE_TEST_TIMEOUT_S 300)
 if(SCREE_SANITIZE)
