@@ -29,7 +29,9 @@ if(SCREE_SANITIZE)
   set(SCREE_TEST_TIMEOUT_S 1800)  # everything is 3 to 15 times slower
   # g++ 12 takes std::regex's own variables for uninitialised under AddressSanitizer (GCC PR105562)
   target_compile_options(scree_flags INTERFACE -Wno-maybe-uninitialized)
-  target_compile_options(scree_flags INTERFACE -fsanitize=${SCREE_SANITIZE} -fno-omit-frame-pointer -g1)
+  # a report must fail the test, also of undefined behaviour, which g++ would only print
+  target_compile_options(scree_flags INTERFACE -fsanitize=${SCREE_SANITIZE} -fno-sanitize-recover=undefined
+                                               -fno-omit-frame-pointer -g1)
   target_link_options(scree_flags INTERFACE -fsanitize=${SCREE_SANITIZE})
 endif()
 if(SCREE_BUILD_FUZZERS)  # coverage for libFuzzer everywhere, its main only in the fuzz targets
