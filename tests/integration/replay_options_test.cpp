@@ -6,6 +6,7 @@
 #include <signal.h>
 
 #include "io/npy.hpp"
+#include "io/picture.hpp"
 #include "io/raster.hpp"
 #include "tests/integration/hand_made.hpp"
 #include "tests/integration/scree.hpp"
@@ -52,7 +53,7 @@ TEST(MapOut, RastersHoldTheSameValuesAsArrays) {
   const auto npy = scree(replay(recording.string(), {"--rate", "max", "--map-out", (folder / "a.npy").string()}));
   ASSERT_EQ(npy.exit_code, 0) << npy.err;
   const auto tif = scree(replay(recording.string(), {"--rate", "max", "--map-out", (folder / "b.tif").string()}));
-  if (tif.exit_code == 64) GTEST_SKIP() << tif.err;  // a build without GDAL says so
+  if (tif.exit_code != 0 && tif.err.find("GDAL") != std::string::npos) GTEST_SKIP() << tif.err;  // a build without it
   ASSERT_EQ(tif.exit_code, 0) << tif.err;
   const json place = json::parse(read_file(folder / "a.json"));
   for (const char* layer : {"elevation", "cost", "cell_state", "hits"}) {
@@ -74,11 +75,11 @@ TEST(MapOut, RastersHoldTheSameValuesAsArrays) {
 }
 
 TEST(MapOut, PicturesAreOnePngALayer) {
+  if (!io::picture_support()) GTEST_SKIP() << "this build cannot write pictures";
   const TemporaryFolder folder;
   const auto recording = make_depth_recording(folder / "drive", every(0.1, 2));
   const auto finished =
       scree(replay(recording.string(), {"--rate", "max", "--map-out", (folder / "map.png").string()}));
-  if (finished.exit_code == 64) GTEST_SKIP() << finished.err;  // a build without pictures says so
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   for (const char* layer : {"cost", "elevation", "dimension", "amplitude", "cell_state", "slope"}) {
     const std::string bytes = read_file(folder / (std::string("map.") + layer + ".png"));
