@@ -31,6 +31,9 @@ enum EstimateFlag : std::uint16_t {
   /// Horizontal noise of .3 mean spacings or more: the slopes of the ground turn it into vertical noise that no
   /// likelihood here models, and D is too large, most of all for smooth ground.
   kHorizontalNoise = 16,
+  /// A random part of the points, whose neighbours stand at least twice as far apart, has another D (beyond 3.3
+  /// standard deviations): not one power law over these scales, or interpolated, or rounded data, or a wrong noise.
+  kScaleDependent = 32,
 };
 
 /// "noise_limited", "open_below", …: in the order of the bits.
@@ -47,10 +50,12 @@ struct DimensionEstimate {
   double sigma = std::numeric_limits<double>::quiet_NaN();        ///< one standard deviation of D, from the curvature
   double amplitude_m = std::numeric_limits<double>::quiet_NaN();  ///< rms height change between points 1 m apart
   std::string method;
-  std::size_t points = 0;       ///< at different places: what the estimate rests on
-  std::size_t duplicates = 0;   ///< averaged into the others
-  double spacing_m = 0.0;       ///< mean spacing
-  double noise_sigma_m = 0.0;   ///< used: vertical, and horizontal through the slope of the plane
+  std::size_t points = 0;      ///< at different places: what the estimate rests on
+  std::size_t duplicates = 0;  ///< averaged into the others
+  double spacing_m = 0.0;      ///< mean spacing
+  double noise_sigma_m = 0.0;  ///< used: vertical, and horizontal through the slope of the plane
+  double coarse_dimension = std::numeric_limits<double>::quiet_NaN();  ///< of a random part; NaN for few points
+  double coarse_spacing_m = 0.0;                                       ///< its mean spacing
   double relative_noise = 0.0;  ///< τ: noise variance over the squared height change at the mean spacing
   std::uint16_t flags = 0;
 };

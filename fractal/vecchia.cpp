@@ -13,12 +13,17 @@ namespace scree::fractal {
 namespace {
 
 constexpr double kLeastHurst = 0.01, kMostHurst = 0.995;
-constexpr std::size_t kPrefix = 1024;  // points of the first look: their order is random, so they are a fair sample
 constexpr int kMaxPasses = 10;
 constexpr std::array<double, 7> kTauGrid = {0.002, 0.01, 0.04, 0.12, 0.35, 1.0, 3.0};
 constexpr double kMostTau = 3.0e4;  // beyond it the ground is invisible
 constexpr int kCloseTaus = 5;
 constexpr double kCloseStep = 0.25;  // in log τ
+
+/// Points of the first look: their order is random, so they are a fair sample, of twice the spacing or more.
+std::size_t first_look(std::size_t points) {
+  constexpr std::size_t kFew = 1200, kLeast = 300, kMost = 1024;
+  return points < kFew ? points : std::clamp(points / 4, kLeast, kMost);
+}
 
 /// Lanes over H ± 4σ; never closer than rounding allows.
 HurstLanes lanes_around(double hurst, double sigma) {
@@ -103,15 +108,18 @@ bool lanes_want_more(const LaneProfile& profile, const HurstFit& fit) {
 struct Outcome {
   LaneProfile profile;
   HurstFit fit;
+  HurstFit coarse;            ///< of the first look
+  std::size_t coarse_points;  ///< behind it
 };
 
 /// A first look at all H on a part of the points, then all points around what it found, until the lanes are dense and
 /// wide enough and τ lies within its nodes.
 Outcome search(const Likelihood& likelihood, std::size_t points) {
-  std::size_t count = std::min(points, kPrefix);
+  std::size_t count = first_look(points);
   const HurstLanes wide;
-  Outcome now{likelihood.noisy() ? likelihood.noisy_wide(wide, count) : likelihood.clean(wide, count), {}};
-  now.fit = fit_hurst(now.profile);
+  Outcome now{likelihood.noisy() ? likelihood.noisy_wide(wide, count) : likelihood.clean(wide, count), {}, {}, count};
+  if (likelihood.noisy() && count < points) now.profile = likelihood.noisy_close(wide, count, now.profile);
+  now.fit = now.coarse = fit_hurst(now.profile);
   const bool dense = now.fit.sigma > 0.5 * wide.step;
   if (count == points && dense && !likelihood.noisy()) return now;
   HurstLanes lanes = lanes_around(now.fit.hurst, now.fit.sigma);
@@ -141,6 +149,14 @@ DimensionEstimate describe(const Outcome& outcome, const VecchiaPoints& survey) 
   out.amplitude_m = std::sqrt(c) * survey.height_m * std::pow(survey.spacing_m, -fit.hurst);
   out.relative_noise = survey.noise_variance / c;
   if (out.relative_noise > 1.0) out.flags |= kNoiseHides;
+  const std::size_t points = survey.points.size();
+  if (outcome.coarse_points == points) return out;
+  out.coarse_dimension = 3.0 - outcome.coarse.hurst;
+  out.coarse_spacing_m =
+      survey.spacing_m * std::sqrt(static_cast<double>(points) / static_cast<double>(outcome.coarse_points));
+  constexpr double kDeviations = 3.3;
+  if (std::abs(out.dimension - out.coarse_dimension) > kDeviations * std::hypot(outcome.coarse.sigma, fit.sigma))
+    out.flags |= kScaleDependent;
   return out;
 }
 

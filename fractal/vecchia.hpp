@@ -6,7 +6,7 @@
 
 namespace scree::fractal {
 
-/// Fractional Brownian ground above any plane: each point, in random order, given its 10 nearest predecessors; the
+/// Fractional Brownian ground above any plane: each point, in random order, given its 13 nearest predecessors; the
 /// plane and the amplitude are profiled out, the noise is known. The interval is that of the profile likelihood. Adding
 /// a plane or scaling heights and noise together changes D by rounding only (with noise_xy_sigma_m the slope of the
 /// plane counts, as it must). Independent of the order of the points. 2.005 ≤ D ≤ 2.99.

@@ -31,8 +31,8 @@ struct ErrorSums {
 /// Adds points [1, count) of the survey to `sums`, one ErrorSums for each of at most
 /// kMaxTaus `taus` (τ = s²/C per lane, with s² the
 /// noise variance of a single point). Intrinsic kriging: the nearest predecessor is the reference, so that a constant
-/// drops out. Cost a point: 55 logarithms and 110 exponentials shared by all lanes and all τ, then a factorisation of
-/// order 10 a lane and τ.
+/// drops out. Cost a point: 91 logarithms and 182 exponentials shared by all lanes and all τ, then a factorisation of
+/// order 13 a lane and τ.
 void add_errors(std::span<const VecchiaPoint> points, std::span<const Predecessors> predecessors,
                 const HurstLanes& lanes, std::span<const PerLane> taus, std::span<ErrorSums> sums);
 

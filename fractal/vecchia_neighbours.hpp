@@ -9,7 +9,7 @@
 
 namespace scree::fractal {
 
-inline constexpr int kVecchiaNeighbours = 10;
+inline constexpr int kVecchiaNeighbours = 13;
 
 /// Indices, nearest first; only the first min(i, kVecchiaNeighbours) of point i are set.
 using Predecessors = std::array<std::int32_t, kVecchiaNeighbours>;

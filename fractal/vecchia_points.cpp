@@ -38,12 +38,12 @@ Status check(const SurveyPoints& survey) {
 /// Coordinates relative to the first point: large offsets (UTM) cost no digits later.
 std::vector<VecchiaPoint> merged(const SurveyPoints& survey) {
   std::vector<VecchiaPoint> points(survey.z_m.size());
-  const double x0 = survey.x_m[0], y0 = survey.y_m[0], z0 = survey.z_m[0];
-  for (std::size_t i = 0; i < points.size(); ++i)
-    points[i] = {survey.x_m[i] - x0, survey.y_m[i] - y0, survey.z_m[i] - z0, 1.0};
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {survey.x_m[i], survey.y_m[i], survey.z_m[i], 1.0};
   std::sort(points.begin(), points.end(), [](const VecchiaPoint& a, const VecchiaPoint& b) {
     return std::pair(a.x, std::pair(a.y, a.z)) < std::pair(b.x, std::pair(b.y, b.z));
   });
+  const VecchiaPoint origin = points.front();
+  for (auto& p : points) p.x -= origin.x, p.y -= origin.y, p.z -= origin.z;
   std::size_t kept = 0;
   for (std::size_t begin = 0; begin < points.size();) {
     std::size_t end = begin;
