@@ -1,0 +1,160 @@
+// scree dimension: D of files of every kind, and what has no D.
+
+#include <cmath>
+#include <gmock/gmock.h>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/random.hpp"
+#include "fractal/surface.hpp"
+#include "tests/integration/scree.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace scree::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr double kDimension = 2.4, kAmplitude = 0.2, kCell = 0.5;
+
+/// Exact fBm as an ESRI grid, a third of its cells without data.
+std::string esri_grid(double cell, double x, double y, bool empty = false) {
+  const auto surface = *fractal::fbm_surface({kDimension, kAmplitude}, 60, 60, kCell, 11);
+  std::ostringstream text;
+  text.precision(9);
+  text << "ncols 60\nnrows 60\nxllcorner " << x << "\nyllcorner " << y << "\ncellsize " << cell
+       << "\nNODATA_value -9999\n";
+  for (int r = 0; r < 60; ++r, text << '\n')
+    for (int c = 0; c < 60; ++c)
+      text << (empty || to_uniform(random_words(1, 2, c, r)[0]) < 0.33 ? -9999.0F : surface(r, c)) << ' ';
+  return text.str();
+}
+
+std::string write(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
+  std::ofstream(folder / name, std::ios::binary) << text;
+  return (folder / name).string();
+}
+
+nlohmann::json estimate(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "dimension");
+  arguments.push_back("--json");
+  const auto finished = scree(arguments);
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  return nlohmann::json::parse(finished.out);
+}
+
+// One fixed surface: that its interval holds the truth is one event of probability .95, its seed is fixed.
+TEST(DimensionCommand, RasterOfKnownDimensionIsRecovered) {
+#ifndef SCREE_WITH_GDAL
+  GTEST_SKIP() << "this build reads no rasters";
+#endif
+  const TemporaryFolder folder;
+  const auto file = write(folder, "dem.asc", esri_grid(kCell, 1000, 2000));
+  const auto json = estimate({file});
+  EXPECT_LT(json["interval95"][0], kDimension);
+  EXPECT_GT(json["interval95"][1], kDimension);
+  EXPECT_LT(json["interval95"][1].get<double>() - json["interval95"][0].get<double>(), 0.12);
+  EXPECT_NEAR(json["amplitude_m"].get<double>() / kAmplitude, 1.0, 0.1);
+  EXPECT_EQ(json["method"], "vecchia");
+  EXPECT_EQ(json["points"].get<int>() + json["points_skipped"].get<int>(), 3600);
+  EXPECT_TRUE(json["flags"].empty()) << json["flags"];
+
+  const auto line = scree({"dimension", file});
+  EXPECT_EQ(line.exit_code, 0);
+  EXPECT_THAT(line.out, StartsWith("D = 2."));
+  EXPECT_THAT(line.out, HasSubstr("noise 0 m assumed (--noise-sigma-m)"));
+  EXPECT_EQ(scree({"dimension", file}).out, line.out);
+
+  const auto part = estimate({file, "--max-points", "500"});
+  EXPECT_EQ(part["points"], 500);
+  EXPECT_EQ(part["flags"][0], "sampled");
+  EXPECT_LT(part["interval95"][0], kDimension);
+  EXPECT_GT(part["interval95"][1], kDimension);
+}
+
+TEST(DimensionCommand, TextPointsWithKnownNoiseAreRecovered) {
+  const TemporaryFolder folder;
+  const auto surface = *fractal::fbm_surface({kDimension, kAmplitude}, 60, 60, kCell, 12);
+  std::ostringstream text;
+  text << "x y z\n";
+  for (int r = 0; r < 60; r += 1)
+    for (int c = r % 3; c < 60; c += 3)
+      text << kCell * c << ' ' << kCell * r << ' ' << surface(r, c) + 0.05 * random_normals(3, 4, c, r)[0] << '\n';
+  text << "nan 0 0\n";
+  const auto file = write(folder, "points.xyz", text.str());
+  const auto json = estimate({file, "--noise-sigma-m", "0.05", "--method", "vecchia"});
+  EXPECT_LT(json["interval95"][0], kDimension);
+  EXPECT_GT(json["interval95"][1], kDimension);
+  EXPECT_EQ(json["points"], 1200);
+  EXPECT_EQ(json["noise_sigma_m"], 0.05);
+  EXPECT_GT(estimate({file})["dimension"], json["dimension"]);  // unmodelled noise looks rough
+}
+
+TEST(DimensionCommand, WhatHasNoDimensionIs65WithAReason) {
+  const TemporaryFolder folder;
+  std::string few, line, flat, plane;
+  for (int i = 0; i < 40; ++i) {
+    const std::string x = std::to_string(i % 8), y = std::to_string(i / 8);
+    if (i < 19) few += x + ' ' + y + ' ' + std::to_string(i * i % 7) + '\n';
+    line += x + ' ' + x + ".0 " + std::to_string(i) + '\n';
+    line += std::to_string(0.1 * i) + ' ' + std::to_string(0.1 * i) + ' ' + std::to_string(i * i % 7) + '\n';
+    flat += x + ' ' + y + " 2.5\n";
+    plane += x + ' ' + y + ' ' + std::to_string(0.1 * (i % 8) - 0.3 * (i / 8)) + '\n';
+  }
+  const std::pair<std::string, const char*> cases[] = {
+      {few, "at least 20 points, found 19"}, {line, "on one line"}, {flat, "all equal"},
+      {plane, "a plane has no D"},           {"", "points"},        {"x y\n1 2\n", "z"}};
+  for (const auto& [text, reason] : cases) {
+    const auto finished = scree({"dimension", write(folder, "bad.xyz", text)});
+    EXPECT_EQ(finished.exit_code, 65) << reason << finished.out;
+    EXPECT_THAT(finished.err, HasSubstr(reason));
+    EXPECT_THAT(finished.err, HasSubstr("bad.xyz"));
+    EXPECT_EQ(finished.out, "");
+  }
+}
+
+TEST(DimensionCommand, EmptyAndGeographicRastersAreRefused) {
+#ifndef SCREE_WITH_GDAL
+  GTEST_SKIP() << "this build reads no rasters";
+#endif
+  const TemporaryFolder folder;
+  const auto empty = scree({"dimension", write(folder, "empty.asc", esri_grid(kCell, 0, 0, true))});
+  EXPECT_EQ(empty.exit_code, 65);
+  EXPECT_THAT(empty.err, HasSubstr("nothing but nodata"));
+  const auto degrees = write(folder, "degrees.asc", esri_grid(0.0001, -105, 40));
+  const auto refused = scree({"dimension", degrees});
+  EXPECT_EQ(refused.exit_code, 65);
+  EXPECT_THAT(refused.err, HasSubstr("gdalwarp"));
+  EXPECT_THAT(refused.err, HasSubstr("--geographic"));
+  const auto json = estimate({degrees, "--geographic"});
+  // Mean spacing: √(cells / known cells) of a cell's 8.53 m × 11.10 m at 40° north.
+  EXPECT_NEAR(json["spacing_m"], std::sqrt(8.53 * 11.10 * 3600.0 / json["points"].get<double>()), 0.6);
+  const auto metres = write(folder, "metres.asc", esri_grid(kCell, 1000, 2000));
+  EXPECT_EQ(scree({"dimension", metres, "--geographic"}).exit_code, 65);
+}
+
+TEST(DimensionCommand, UsageAndMissingInputsHaveTheirExitCodes) {
+  EXPECT_EQ(scree({"dimension"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "x.xyz", "--method", "guess"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "x.xyz", "--noise-sigma-m", "-1"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "x.xyz", "--noise-xy-sigma-m", "nan"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "/nowhere/x.xyz"}).exit_code, 66);
+  EXPECT_EQ(scree({"dimension", "/nowhere/x.tif"}).exit_code, 66);
+  const TemporaryFolder folder;
+  EXPECT_EQ(scree({"dimension", folder.path().string()}).exit_code, 65);
+}
+
+// Interpolated and rounded to whole metres: smooth between neighbours, rough across the valleys.
+TEST(DimensionCommand, BrokenScalingOfARealDemIsSaid) {
+  const auto dem = shared_data("bigtujunga_srtm30/srtm_bigtujunga30m_utm11.tif");
+  SCREE_SKIP_WITHOUT(dem, "bigtujunga_srtm30");
+  const auto json = estimate({dem->string(), "--max-points", "20000"});
+  EXPECT_THAT(json["flags"].dump(), HasSubstr("scale_dependent"));
+  EXPECT_THAT(json["flags"].dump(), HasSubstr("whole_metre_heights"));
+  EXPECT_GT(json["coarse_dimension"], json["dimension"]);
+}
+
+}  // namespace
+}  // namespace scree::test
