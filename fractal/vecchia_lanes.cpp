@@ -96,7 +96,7 @@ struct HalfSums {
     WideLanes logarithm;
     log2_of(product, logarithm);
     log_v = log_v + logarithm * 0.69314718055994531;
-    product = product * 0.0 + 1.0;
+    product = WideLanes{} + 1.0;
   }
 };
 
