@@ -71,7 +71,7 @@ struct PairOptions {
   PairRoute route = PairRoute::near_pairs;
   /// thinned: the unit of the octaves; lattice: the cell. 0 = √(area of the bounding box / N).
   double spacing_m = 0.0;
-  double thinning_density = 4.0;  ///< thinned: keeps min(1, density·4^(−o)) of the points at octave o
+  double thinning_density = 2.0;  ///< thinned: keeps min(1, density·4^(−o)) of the points at octave o
   std::uint64_t seed = 1;         ///< thinned: which points
 };
 

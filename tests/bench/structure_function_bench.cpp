@@ -106,8 +106,9 @@ void report(int count) {
   row("same, geometric annuli", geometric, {.route = PairRoute::all_pairs}, serial);
   row("near pairs (cell list)", annuli, {.route = PairRoute::near_pairs}, serial);
   row("thinned, density 1", annuli, {.route = PairRoute::thinned, .spacing_m = 1.0, .thinning_density = 1.0}, serial);
-  row("thinned, density 4", annuli, {.route = PairRoute::thinned, .spacing_m = 1.0}, serial);
-  row("thinned, density 4, geometric", geometric, {.route = PairRoute::thinned, .spacing_m = 1.0}, serial);
+  row("thinned, density 2", annuli, {.route = PairRoute::thinned, .spacing_m = 1.0}, serial);
+  row("thinned, density 2, geometric", geometric, {.route = PairRoute::thinned, .spacing_m = 1.0}, serial);
+  row("thinned, density 4", annuli, {.route = PairRoute::thinned, .spacing_m = 1.0, .thinning_density = 4.0}, serial);
   row("Fourier, cell 1 spacing", annuli, {.route = PairRoute::lattice, .spacing_m = 1.0}, serial);
   row("Fourier, cell 1/2 spacing", annuli, {.route = PairRoute::lattice, .spacing_m = 0.5}, serial);
 }
