@@ -25,6 +25,7 @@ struct Command {
 Command add_run(CLI::App& app);
 Command add_replay(CLI::App& app);
 Command add_simulate(CLI::App& app);
+Command add_synthesize(CLI::App& app);
 Command add_listen(CLI::App& app);
 Command add_dimension(CLI::App& app);
 std::vector<Command> add_config(CLI::App& app);
