@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "drivers/recording.hpp"
-#include "tests/support/temporary_directory.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scree::drivers {
 namespace {
@@ -29,7 +29,7 @@ class Directory : public testing::Test {
   static Error error_of(const Result<std::unique_ptr<Source>>& source) {
     return source ? Error{ErrorKind::internal, "accepted"} : source.error();
   }
-  test::TemporaryDirectory directory_;
+  test::TemporaryFolder directory_;
 };
 
 /// The one point of a cloud frame in the map.

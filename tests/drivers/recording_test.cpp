@@ -12,7 +12,7 @@
 #include "drivers/depth_image.hpp"
 #include "drivers/perceptron_file.hpp"
 #include "tests/support/shared_data.hpp"
-#include "tests/support/temporary_directory.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scree::drivers {
 namespace {
@@ -102,7 +102,7 @@ class RecordingTest : public testing::Test {
     return source ? Error{ErrorKind::internal, "accepted"} : source.error();
   }
 
-  test::TemporaryDirectory directory_;
+  test::TemporaryFolder directory_;
 };
 
 TEST_F(RecordingTest, DepthFramesReadBackAsRanges) {

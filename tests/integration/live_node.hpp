@@ -35,8 +35,8 @@ class Ear {
     return map == nullptr ? 0 : map->measured_cells();
   }
 
-  /// Listens until `reached` holds, at most for `limit`.
-  bool until(const std::function<bool()>& reached, milliseconds limit = seconds(20)) {
+  /// Listens until `reached` holds, at most for `limit`: ample, as sanitizers make the node ten times slower.
+  bool until(const std::function<bool()>& reached, milliseconds limit = seconds(120)) {
     const auto deadline = MonotonicClock::now() + limit;
     while (!reached()) {
       if (MonotonicClock::now() > deadline || !listener_->poll(milliseconds(5))) return false;

@@ -78,7 +78,7 @@ TEST(PoseSource, UdpPosesPlaceTheFramesAndWithoutFreshOnesNothingIsMapped) {
 
   node.signal(SIGINT);
   ASSERT_TRUE(ear.until_bye());
-  const auto finished = node.wait(seconds(10));
+  const auto finished = node.wait(seconds(60));
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   const json statistics = json::parse(finished.out);
   EXPECT_GE(statistics["frames_pose_stale"], 3);

@@ -40,7 +40,7 @@ TEST(ReplayOptions, LoopGoesRoundUntilSigintAndDropsNothing) {
   Process node(command(replay(recording.string(), {"--loop", "--json"})));
   ASSERT_TRUE(node.wait_for_text("info frames")) << node.err();  // one second: 20 frames
   node.signal(SIGINT);
-  const auto finished = node.wait(std::chrono::seconds(10));
+  const auto finished = node.wait(std::chrono::seconds(60));
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   const json statistics = json::parse(finished.out);
   EXPECT_GT(statistics["frames_mapped"], 6);

@@ -87,10 +87,10 @@ TEST(Replay, SigintStopsCleanlyAndStillPrintsTheResult) {
   ASSERT_TRUE(node.wait_for_text("info frames")) << node.err();  // the line of the first second
   std::this_thread::sleep_for(std::chrono::seconds(1));
   node.signal(SIGINT);
-  const auto finished = node.wait(std::chrono::seconds(20));
+  const auto finished = node.wait(std::chrono::seconds(60));
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_GT(json::parse(finished.out)["frames_in"], 0);
-  const auto heard = listener.wait(std::chrono::seconds(20));  // the node said BYE
+  const auto heard = listener.wait(std::chrono::seconds(60));  // the node said BYE
   EXPECT_EQ(heard.exit_code, 0);
   EXPECT_EQ(json::parse(heard.out)["ended"], true);
 }
@@ -99,7 +99,7 @@ TEST(Listen, SigtermAndDurationEndIt) {
   Process listener(command({"listen", "--address", address(2), "--json"}));
   ASSERT_TRUE(listener.wait_for_text("listening at"));
   listener.signal(SIGTERM);
-  const auto finished = listener.wait(std::chrono::seconds(10));
+  const auto finished = listener.wait(std::chrono::seconds(60));
   EXPECT_EQ(finished.exit_code, 0);
   EXPECT_EQ(json::parse(finished.out)["datagrams"], 0);
   EXPECT_EQ(scree({"listen", "--address", address(2), "--duration", "0.1"}).exit_code, 0);

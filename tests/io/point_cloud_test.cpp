@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "tests/support/shared_data.hpp"
-#include "tests/support/temporary_directory.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scree::io {
 namespace {
@@ -39,7 +39,7 @@ class PointFile : public testing::Test {
     EXPECT_THAT(cloud.error().message, StartsWith((directory_.path() / name).string()));
     return cloud.error().message;
   }
-  test::TemporaryDirectory directory_;
+  test::TemporaryFolder directory_;
 };
 
 std::string floats(std::initializer_list<float> values) {

@@ -15,32 +15,14 @@
 #include <unistd.h>
 #include <vector>
 
+#include "tests/support/temporary_folder.hpp"
+
 namespace scree::test {
 
 struct Finished {
   int exit_code = -1;  ///< 128 + signal where a signal ended it
   std::string out;
   std::string err;
-};
-
-/// A folder that goes with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "scree-XXXXXX").string();
-    path_ = mkdtemp(name.data()) != nullptr ? name : std::string();
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
 };
 
 /// Starts at construction; killed at destruction if it still runs. stdout and stderr go to files of its own.
@@ -94,7 +76,7 @@ class Process {
   }
 
   /// Waits until stderr or stdout holds `text`; false when it ended or the limit passed without it.
-  bool wait_for_text(const std::string& text, std::chrono::milliseconds limit = std::chrono::seconds(20)) {
+  bool wait_for_text(const std::string& text, std::chrono::milliseconds limit = std::chrono::seconds(120)) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
     for (;;) {
       const bool alive = running();
