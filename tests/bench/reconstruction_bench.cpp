@@ -6,36 +6,19 @@
 
 #include "core/random.hpp"
 #include "fractal/reconstruction.hpp"
+#include "tests/fractal/sparse_scene.hpp"
 
 namespace {
 
 using namespace scree;
 using namespace scree::fractal;
 
-constexpr double kCell = 0.1, kNoise = 0.0316;  // noise sd over the change of one cell
-
-struct Scene {
-  Grid<float> truth, height, variance;
-};
-
-Scene make_scene(const FractalLaw& law, int side, double density, std::uint64_t seed) {
-  Scene scene{*fbm_surface(law, side, side, kCell, seed), Grid<float>(side, side, NAN), Grid<float>(side, side, NAN)};
-  const double sigma = kNoise * law.rms_change_m(kCell);
-  for (int r = 0; r < side; ++r)
-    for (int c = 0; c < side; ++c)
-      if (to_uniform(random_words(seed, 5, c, r)[0]) < density) {
-        scene.height(r, c) = scene.truth(r, c) + static_cast<float>(sigma * random_normals(seed, 6, c, r)[0]);
-        scene.variance(r, c) = static_cast<float>(sigma * sigma);
-      }
-  return scene;
-}
-
 /// args: side, D·100, density %
 void cold(benchmark::State& state) {
   const int side = static_cast<int>(state.range(0));
-  const FractalLaw law{static_cast<double>(state.range(1)) / 100.0, 0.1};
-  const Scene scene = make_scene(law, side, static_cast<double>(state.range(2)) / 100.0, 1);
-  ConditionalReconstructor reconstructor({.cell_m = kCell, .max_cells = side});
+  const FractalLaw law{static_cast<double>(state.range(1)) / 100.0, kSceneAmplitudeM};
+  const SparseScene scene(law.dimension, side, side, static_cast<double>(state.range(2)) / 100.0, 1);
+  ConditionalReconstructor reconstructor({.cell_m = kSceneCellM, .max_cells = side});
   SerialExecutor serial;
   Reconstruction out;
   reconstructor.reconstruct(scene.height, scene.variance, {{0, 0}, side, side}, law, serial, out);  // makes the tiles
@@ -50,9 +33,9 @@ BENCHMARK(cold)->ArgsProduct({{200, 256, 400}, {220, 250, 280}, {5, 30}})->Unit(
 /// The window rolls by 2 cells a frame over fixed ground; a tenth of the measured cells is measured afresh.
 void warm(benchmark::State& state) {
   const int side = static_cast<int>(state.range(0)), travel = 64;
-  const FractalLaw law{static_cast<double>(state.range(1)) / 100.0, 0.1};
-  const Scene world = make_scene(law, side + travel, 0.3, 1);
-  ConditionalReconstructor reconstructor({.cell_m = kCell, .max_cells = side});
+  const FractalLaw law{static_cast<double>(state.range(1)) / 100.0, kSceneAmplitudeM};
+  const SparseScene world(law.dimension, side + travel, side + travel, 0.3, 1);
+  ConditionalReconstructor reconstructor({.cell_m = kSceneCellM, .max_cells = side});
   SerialExecutor serial;
   Reconstruction out;
   Grid<float> height(side, side), variance(side, side);
@@ -79,37 +62,20 @@ void warm(benchmark::State& state) {
 }
 BENCHMARK(warm)->ArgsProduct({{200}, {220, 250, 280}})->Unit(benchmark::kMillisecond);
 
-/// First absolute moment over axis lags 1 … 16, unweighted log–log fit [Y89].
-double yokoya(const Grid<float>& z) {
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (int lag = 1; lag <= 16; ++lag) {
-    double sum = 0;
-    int n = 0;
-    for (int r = 0; r < z.rows(); ++r)
-      for (int c = 0; c < z.columns(); ++c) {
-        if (c + lag < z.columns()) sum += std::abs(z(r, c + lag) - z(r, c)), ++n;
-        if (r + lag < z.rows()) sum += std::abs(z(r + lag, c) - z(r, c)), ++n;
-      }
-    const double x = std::log(lag), y = std::log(sum / n);
-    sx += x, sy += y, sxx += x * x, sxy += x * y;
-  }
-  return 3.0 - (sxy - sx * sy / 16) / (sxx - sx * sx / 16);
-}
-
 /// args: D·100. Three surfaces of 256 × 256 cells, 5 % measured, 16 draws each (seeds).
 void quality(benchmark::State& state) {
-  const FractalLaw law{static_cast<double>(state.range(0)) / 100.0, 0.1};
+  const FractalLaw law{static_cast<double>(state.range(0)) / 100.0, kSceneAmplitudeM};
   constexpr int kSide = 256, kDraws = 16, kSurfaces = 3;
-  const double unit = law.rms_change_m(kCell);
+  const double unit = law.rms_change_m(kSceneCellM);
   double mean2 = 0, draw2 = 0, roughness = 0, covered = 0, cells = 0;
   SerialExecutor serial;
   for (auto _ : state)
     for (std::uint64_t surface = 0; surface < kSurfaces; ++surface) {
-      const Scene scene = make_scene(law, kSide, 0.05, surface);
+      const SparseScene scene(law.dimension, kSide, kSide, 0.05, surface);
       const double target = yokoya(scene.truth);
       Grid<float> sum2(kSide, kSide, 0.0F), mean;
       for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
-        ConditionalReconstructor reconstructor({.cell_m = kCell, .max_cells = kSide, .seed = seed});
+        ConditionalReconstructor reconstructor({.cell_m = kSceneCellM, .max_cells = kSide, .seed = seed});
         Reconstruction out;
         reconstructor.reconstruct(scene.height, scene.variance, {{0, 0}, kSide, kSide}, law, serial, out);
         mean = out.mean_m;

@@ -3,67 +3,26 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <limits>
 #include <vector>
 
-#include "core/random.hpp"
+#include "tests/fractal/sparse_scene.hpp"
 
 namespace scree::fractal {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr double kCell = 0.1;
-
-struct Scene {
-  FractalLaw law;
-  double sigma;  // of the measurement noise
-  Grid<float> truth, height, variance;
-
-  Scene(double dimension, int rows, int columns, double density, std::uint64_t seed, double noise = 0.0316)
-      : law{dimension, 0.2},
-        sigma(noise * law.rms_change_m(kCell)),
-        truth(*fbm_surface(law, rows, columns, kCell, seed)),
-        height(rows, columns, kNaN),
-        variance(rows, columns, kNaN) {
-    for (int r = 0; r < rows; ++r)
-      for (int c = 0; c < columns; ++c)
-        if (to_uniform(random_words(seed, 5, c, r)[0]) < density) {
-          height(r, c) = truth(r, c) + static_cast<float>(sigma * random_normals(seed, 6, c, r)[0]);
-          variance(r, c) = static_cast<float>(sigma * sigma);
-        }
-  }
-  LatticeWindow window(CellIndex min = {0, 0}) const { return {min, height.rows(), height.columns()}; }
-};
-
-Reconstruction reconstruct(const Scene& scene, std::uint64_t seed = 1, double tolerance = 0.05) {
-  ConditionalReconstructor reconstructor({.cell_m = kCell, .max_cells = 160, .seed = seed, .tolerance = tolerance});
+Reconstruction reconstruct(const SparseScene& scene, std::uint64_t seed = 1, double tolerance = 0.05) {
+  ConditionalReconstructor reconstructor(
+      {.cell_m = kSceneCellM, .max_cells = 160, .seed = seed, .tolerance = tolerance});
   SerialExecutor serial;
   Reconstruction out;
   reconstructor.reconstruct(scene.height, scene.variance, scene.window(), scene.law, serial, out);
   return out;
 }
 
-/// D by the first absolute moment over axis lags 1 … 16, unweighted log–log fit [Y89].
-double yokoya(const Grid<float>& z) {
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (int lag = 1; lag <= 16; ++lag) {
-    double sum = 0;
-    int n = 0;
-    for (int r = 0; r < z.rows(); ++r)
-      for (int c = 0; c < z.columns(); ++c) {
-        if (c + lag < z.columns()) sum += std::abs(z(r, c + lag) - z(r, c)), ++n;
-        if (r + lag < z.rows()) sum += std::abs(z(r + lag, c) - z(r, c)), ++n;
-      }
-    const double x = std::log(lag), y = std::log(sum / n);
-    sx += x, sy += y, sxx += x * x, sxy += x * y;
-  }
-  return 3.0 - (sxy - sx * sy / 16) / (sxx - sx * sx / 16);
-}
-
 // The draw less the datum is the posterior noise of that cell: at isolated data its rms is the measurement's own.
 // n ≈ 128²·5 % = 819 cells: 1/√(2n) = 2.5 %, bound 4 s.e.
 TEST(Reconstruction, PassesThroughTheDataWithinTheirNoise) {
-  const Scene scene(2.5, 128, 128, 0.05, 3);
+  const SparseScene scene(2.5, 128, 128, 0.05, 3);
   const Reconstruction out = reconstruct(scene, 1, 0.01);
   ASSERT_TRUE(out.converged);
   double mean2 = 0.0, draw2 = 0.0;
@@ -85,7 +44,7 @@ TEST(Reconstruction, DrawsAreAsRoughAsTheGround) {
     std::vector<double> differences;
     double smooth = 0.0;
     for (std::uint64_t surface = 0; surface < 2; ++surface) {
-      const Scene scene(dimension, 160, 160, 0.05, surface);
+      const SparseScene scene(dimension, 160, 160, 0.05, surface);
       const double target = yokoya(scene.truth);
       for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         const Reconstruction out = reconstruct(scene, seed);
@@ -109,7 +68,7 @@ TEST(Reconstruction, NinetyPercentIntervalsCoverNinetyPercent) {
   for (const double dimension : {2.2, 2.5, 2.8}) {
     double covered = 0.0, cells = 0.0, mean2 = 0.0, draw2 = 0.0;
     for (std::uint64_t surface = 10; surface < 14; ++surface) {
-      const Scene scene(dimension, 128, 128, 0.05, surface);
+      const SparseScene scene(dimension, 128, 128, 0.05, surface);
       Grid<double> sum2(128, 128, 0.0);
       Reconstruction out;
       for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -149,8 +108,8 @@ double difference(const Reconstruction& a, const Reconstruction& b, CellIndex sh
 // The world fixes the noise: the same ground seen through a window 7 and 5 cells further on has the same draw, but for
 // the boundary and the solver's tolerance (.01: error below .03 of a posterior sd of about 1.2 units).
 TEST(Reconstruction, AMovedWindowKeepsTheDraw) {
-  const Scene world(2.5, 150, 150, 0.1, 4);
-  const double unit = world.law.rms_change_m(kCell);
+  const SparseScene world(2.5, 150, 150, 0.1, 4);
+  const double unit = world.law.rms_change_m(kSceneCellM);
   const auto look = [&](ConditionalReconstructor& with, CellIndex at) {
     Grid<float> height(128, 128), variance(128, 128);
     for (int r = 0; r < 128; ++r)
@@ -163,7 +122,7 @@ TEST(Reconstruction, AMovedWindowKeepsTheDraw) {
     with.reconstruct(height, variance, {{at.x - 1000, at.y - 60}, 128, 128}, world.law, serial, out);
     return out;
   };
-  const ReconstructionConfig config{.cell_m = kCell, .max_cells = 128, .tolerance = 0.01};
+  const ReconstructionConfig config{.cell_m = kSceneCellM, .max_cells = 128, .tolerance = 0.01};
   ConditionalReconstructor first(config), second(config);
   const Reconstruction here = look(first, {0, 0}), there = look(second, {7, 5}), warm = look(first, {7, 5});
   EXPECT_LT(difference(here, there, {7, 5}, 24, unit), 0.05);
@@ -172,14 +131,14 @@ TEST(Reconstruction, AMovedWindowKeepsTheDraw) {
 }
 
 TEST(Reconstruction, IsTheSameEveryTimeAndWithAnyThreads) {
-  const Scene scene(2.4, 70, 120, 0.1, 5);
+  const SparseScene scene(2.4, 70, 120, 0.1, 5);
   class Backwards final : public Executor {
     void for_ranges(int count, const std::function<void(int, int)>& body) override {
       for (int i = count; i-- > 0;) body(i, i + 1);
     }
   } backwards;
   const Reconstruction a = reconstruct(scene);
-  ConditionalReconstructor reconstructor({.cell_m = kCell, .max_cells = 160});
+  ConditionalReconstructor reconstructor({.cell_m = kSceneCellM, .max_cells = 160});
   Reconstruction b;
   reconstructor.reconstruct(scene.height, scene.variance, scene.window(), scene.law, backwards, b);
   EXPECT_EQ(a.mean_m, b.mean_m);
@@ -187,7 +146,7 @@ TEST(Reconstruction, IsTheSameEveryTimeAndWithAnyThreads) {
 }
 
 TEST(Reconstruction, ConstantDataGiveAConstantMean) {
-  Scene scene(2.5, 60, 60, 0.2, 6);
+  SparseScene scene(2.5, 60, 60, 0.2, 6);
   for (float& z : scene.height)
     if (!std::isnan(z)) z = 123.25F;
   const Reconstruction out = reconstruct(scene);
@@ -199,7 +158,7 @@ TEST(Reconstruction, ConstantDataGiveAConstantMean) {
 
 TEST(Reconstruction, OneDatumIsEnough) {
   for (const double dimension : {2.05, 2.5, 2.95}) {
-    Scene scene(dimension, 50, 90, 0.0, 7);
+    SparseScene scene(dimension, 50, 90, 0.0, 7);
     scene.height(20, 30) = 5.0F;
     scene.variance(20, 30) = 1e-4F;
     const Reconstruction out = reconstruct(scene);
@@ -212,7 +171,7 @@ TEST(Reconstruction, OneDatumIsEnough) {
 }
 
 TEST(Reconstruction, NoDatumIsNoGround) {
-  const Scene scene(2.5, 40, 40, 0.0, 8);
+  const SparseScene scene(2.5, 40, 40, 0.0, 8);
   const Reconstruction out = reconstruct(scene);
   EXPECT_FALSE(out.converged);
   EXPECT_TRUE(std::all_of(out.mean_m.begin(), out.mean_m.end(), [](float z) { return std::isnan(z); }));
@@ -220,7 +179,7 @@ TEST(Reconstruction, NoDatumIsNoGround) {
 
 TEST(Reconstruction, TakesWindowsOfEveryShape) {
   for (const auto& [rows, columns] : {std::pair{1, 1}, {1, 40}, {3, 7}, {33, 150}, {160, 17}}) {
-    Scene scene(2.5, rows, columns, 0.3, 9);
+    SparseScene scene(2.5, rows, columns, 0.3, 9);
     scene.height(0, 0) = 1.0F;
     scene.variance(0, 0) = 1e-4F;
     const Reconstruction out = reconstruct(scene);
@@ -233,9 +192,9 @@ TEST(Reconstruction, TakesWindowsOfEveryShape) {
 // Cold cycles on 5 % data, mean and draw together; twice the 7–8, 4–5, 3 of the multigrid study plus the one that only
 // confirms, D = 2.2 at the tolerance .02.
 TEST(Reconstruction, NeedsFewCycles) {
-  EXPECT_LE(reconstruct(Scene(2.2, 160, 160, 0.05, 11)).iterations, 20);
-  EXPECT_LE(reconstruct(Scene(2.5, 160, 160, 0.05, 11)).iterations, 12);
-  EXPECT_LE(reconstruct(Scene(2.8, 160, 160, 0.05, 11)).iterations, 9);
+  EXPECT_LE(reconstruct(SparseScene(2.2, 160, 160, 0.05, 11)).iterations, 20);
+  EXPECT_LE(reconstruct(SparseScene(2.5, 160, 160, 0.05, 11)).iterations, 12);
+  EXPECT_LE(reconstruct(SparseScene(2.8, 160, 160, 0.05, 11)).iterations, 9);
 }
 
 }  // namespace

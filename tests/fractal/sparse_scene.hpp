@@ -1,0 +1,54 @@
+#pragma once
+// Exact ground of which a part is measured, with noise; and how rough a surface is, by the plainest estimator.
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/grid.hpp"
+#include "core/random.hpp"
+#include "fractal/reconstruction.hpp"
+
+namespace scree::fractal {
+
+inline constexpr double kSceneCellM = 0.1, kSceneAmplitudeM = 0.2;
+
+/// `density` of the cells are known; `noise` is the sd of their heights over the change of one cell.
+struct SparseScene {
+  FractalLaw law;
+  double sigma;  // of the measurement noise
+  Grid<float> truth, height, variance;
+
+  SparseScene(double dimension, int rows, int columns, double density, std::uint64_t seed, double noise = 0.0316)
+      : law{dimension, kSceneAmplitudeM},
+        sigma(noise * law.rms_change_m(kSceneCellM)),
+        truth(*fbm_surface(law, rows, columns, kSceneCellM, seed)),
+        height(rows, columns, NAN),
+        variance(rows, columns, NAN) {
+    for (int r = 0; r < rows; ++r)
+      for (int c = 0; c < columns; ++c)
+        if (to_uniform(random_words(seed, 5, c, r)[0]) < density) {
+          height(r, c) = truth(r, c) + static_cast<float>(sigma * random_normals(seed, 6, c, r)[0]);
+          variance(r, c) = static_cast<float>(sigma * sigma);
+        }
+  }
+  LatticeWindow window(CellIndex min = {0, 0}) const { return {min, height.rows(), height.columns()}; }
+};
+
+/// D by the first absolute moment over axis lags 1 … 16, unweighted log–log fit [Y89].
+inline double yokoya(const Grid<float>& z) {
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (int lag = 1; lag <= 16; ++lag) {
+    double sum = 0;
+    int n = 0;
+    for (int r = 0; r < z.rows(); ++r)
+      for (int c = 0; c < z.columns(); ++c) {
+        if (c + lag < z.columns()) sum += std::abs(z(r, c + lag) - z(r, c)), ++n;
+        if (r + lag < z.rows()) sum += std::abs(z(r + lag, c) - z(r, c)), ++n;
+      }
+    const double x = std::log(lag), y = std::log(sum / n);
+    sx += x, sy += y, sxx += x * x, sxy += x * y;
+  }
+  return 3.0 - (sxy - sx * sy / 16) / (sxx - sx * sx / 16);
+}
+
+}  // namespace scree::fractal
