@@ -10,13 +10,14 @@
 
 namespace scree::fractal {
 
-/// A survey: three spans of one length, metres, horizontal plane and height. What the noise of a height is must be
+/// A survey: three spans of one length, metres, horizontal plane and height. What the noise of a height is should be
 /// known from the sensor: it cannot be had from fewer than a thousand points, and D depends on it.
 struct SurveyPoints {
   std::span<const double> x_m, y_m, z_m;
   double noise_sigma_m = 0.0;        ///< of each height, independent
   double noise_xy_sigma_m = 0.0;     ///< of each horizontal coordinate
   double height_resolution_m = 0.0;  ///< rounding of the heights: what lies on a plane to within this has no D
+  bool noise_unknown = false;        ///< estimate it beside D, from kMinNoisePoints at least; noise_sigma_m stays 0
 };
 
 enum EstimateFlag : std::uint16_t {
@@ -50,10 +51,11 @@ struct DimensionEstimate {
   double sigma = std::numeric_limits<double>::quiet_NaN();        ///< one standard deviation of D, from the curvature
   double amplitude_m = std::numeric_limits<double>::quiet_NaN();  ///< rms height change between points 1 m apart
   std::string method;
-  std::size_t points = 0;      ///< at different places: what the estimate rests on
-  std::size_t duplicates = 0;  ///< averaged into the others
-  double spacing_m = 0.0;      ///< mean spacing
-  double noise_sigma_m = 0.0;  ///< used: vertical, and horizontal through the slope of the plane
+  std::size_t points = 0;        ///< at different places: what the estimate rests on
+  std::size_t duplicates = 0;    ///< averaged into the others
+  double spacing_m = 0.0;        ///< mean spacing
+  double noise_sigma_m = 0.0;    ///< used: vertical, and horizontal through the slope of the plane
+  bool noise_estimated = false;  ///< then noise_sigma_m is an estimate and the interval of D allows for its error
   double coarse_dimension = std::numeric_limits<double>::quiet_NaN();  ///< of a random part; NaN for few points
   double coarse_spacing_m = 0.0;                                       ///< its mean spacing
   double relative_noise = 0.0;  ///< τ: noise variance over the squared height change at the mean spacing
@@ -61,5 +63,6 @@ struct DimensionEstimate {
 };
 
 inline constexpr std::size_t kMinSurveyPoints = 20;
+inline constexpr std::size_t kMinNoisePoints = 1000;  ///< places needed to estimate the noise from the heights
 
 }  // namespace scree::fractal

@@ -26,6 +26,9 @@ Status check(const SurveyPoints& survey) {
   for (const double noise : {survey.noise_sigma_m, survey.noise_xy_sigma_m})
     if (!(noise >= 0.0 && std::isfinite(noise)))
       return bad(fmt::format("expected a finite noise of at least 0 m, found {}", noise));
+  if (survey.noise_unknown && survey.noise_sigma_m > 0.0)
+    return bad(fmt::format("expected a noise that is known or unknown, found {} m given and an estimate asked for",
+                           survey.noise_sigma_m));
   if (n < kMinSurveyPoints) return bad(fmt::format("expected at least {} points, found {}", kMinSurveyPoints, n));
   for (std::size_t i = 0; i < n; ++i)
     if (!std::isfinite(survey.x_m[i]) || !std::isfinite(survey.y_m[i]) || !std::isfinite(survey.z_m[i]))
@@ -129,6 +132,11 @@ Result<VecchiaPoints> prepare_points(const SurveyPoints& survey) {
   if (points.size() < kMinSurveyPoints)
     return bad(fmt::format("expected points at {} places at least, found {} points at {}", kMinSurveyPoints,
                            survey.z_m.size(), points.size()));
+  if (survey.noise_unknown && points.size() < kMinNoisePoints)
+    return bad(
+        fmt::format("expected points at {} places at least to estimate the noise from, found {}: give the noise "
+                    "of the sensor instead",
+                    kMinNoisePoints, points.size()));
   const Moments moments(points);
   constexpr double kLine = 1e-12;  // a millionth as wide as long: float32 coordinates of a line reach 1e-7
   if (!(moments.flatness() > kLine)) return bad("expected points spread over an area, found them all on one line");
@@ -152,9 +160,10 @@ Result<VecchiaPoints> prepare_points(const SurveyPoints& survey) {
   out.spacing_m = std::sqrt((box.x_max - box.x_min) * (box.y_max - box.y_min) / static_cast<double>(points.size()));
   if (!(out.spacing_m > 0.0)) out.spacing_m = std::sqrt((moments.xx + moments.yy)) / static_cast<double>(points.size());
   for (auto& p : points) p.x /= out.spacing_m, p.y /= out.spacing_m, p.z /= out.height_m;
+  out.noise_unknown = survey.noise_unknown;
   const double slope2 = plane.slope_x * plane.slope_x + plane.slope_y * plane.slope_y;
   const double vertical = survey.noise_sigma_m / out.height_m, through_slope = survey.noise_xy_sigma_m / out.height_m;
-  out.noise_variance = vertical * vertical + slope2 * through_slope * through_slope;
+  out.noise_variance = survey.noise_unknown ? 0.0 : vertical * vertical + slope2 * through_slope * through_slope;
   shuffle(points);
   return out;
 }

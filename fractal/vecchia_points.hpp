@@ -18,7 +18,8 @@ struct VecchiaPoints {
   std::vector<VecchiaPoint> points;  ///< no two at one place; random order, the same for the same survey
   double spacing_m = 1.0;
   double height_m = 1.0;        ///< unit of z
-  double noise_variance = 0.0;  ///< in units of height_m²
+  double noise_variance = 0.0;  ///< in units of height_m²; 0 where unknown
+  bool noise_unknown = false;
   std::size_t duplicates = 0;
 };
 

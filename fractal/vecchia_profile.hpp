@@ -1,6 +1,7 @@
 #pragma once
 // From sums of prediction errors to −2 log likelihood as a function of H alone, and from that to H and its interval.
 
+#include <cmath>
 #include <span>
 
 #include "fractal/vecchia_lanes.hpp"
@@ -13,7 +14,17 @@ struct LaneProfile {
   PerLane minus_two_log{};  ///< up to a constant
   PerLane log_c{};          ///< of the squared height change over the unit of length
   PerLane log_tau{};        ///< of the best τ, where the noise is known
+  PerLane free_tau{};       ///< coordinate (FreeTau) of the best τ, where it is not
   PerLane tau_edge{};       ///< −1, 1: the best τ lies at the lowest, highest given one or beyond; 0 between
+};
+
+/// τ where the noise is unknown: coordinate u = ln(1 + τ/scale), 0 without noise, logarithmic for much of it. The scale
+/// is a small part of what 13 neighbours leave unexplained, which vanishes with 1 − H: the sums are smooth in u.
+struct FreeTau {
+  double scale;
+  explicit FreeTau(double hurst) : scale(0.1 * (1.0 - hurst)) {}
+  double tau(double u) const { return scale * std::expm1(u); }
+  double coordinate(double tau) const { return std::log1p(tau / scale); }
 };
 
 /// Without noise. `count` is the number of points behind the sums.
@@ -24,6 +35,11 @@ LaneProfile clean_profile(const HurstLanes& lanes, const ErrorSums& sums, std::s
 /// apart. Below the lowest τ the sums there are used with the amplitude that suits them.
 LaneProfile noisy_profile(const HurstLanes& lanes, std::span<const PerLane> taus, std::span<const ErrorSums> sums,
                           std::size_t count, double noise_variance, bool close);
+
+/// With an unknown noise and sums at ascending coordinates `nodes` (FreeTau) of τ: the least over τ, by polynomials
+/// through three nodes, or through all of them where `close`. A τ of 0 inside the nodes is no edge.
+LaneProfile free_noise_profile(const HurstLanes& lanes, std::span<const PerLane> nodes, std::span<const ErrorSums> sums,
+                               std::size_t count, bool close);
 
 /// The minimum over H, by cubics through the lanes.
 struct HurstFit {

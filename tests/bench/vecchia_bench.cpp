@@ -132,6 +132,33 @@ BENCHMARK(accuracy_3277)
     ->Iterations(1)
     ->Unit(benchmark::kSecond);
 
+void noise_unknown(benchmark::State& state) {
+  const auto count = static_cast<std::size_t>(state.range(0));
+  const double dimension = static_cast<double>(state.range(1)) / 100.0,
+               noise = static_cast<double>(state.range(2)) / 100.0;
+  Score score;
+  double n1 = 0, n2 = 0;
+  for (auto _ : state)
+    for (int i = 0; i < state.range(3); ++i) {
+      const Survey survey = lattice_survey(dimension, count, 256, noise, 0.5, static_cast<std::uint64_t>(i));
+      SurveyPoints points = survey.points(0.0);
+      points.noise_unknown = true;
+      const auto e = *estimate_dimension_vecchia(points);
+      score.add(e, dimension);
+      n1 += e.noise_sigma_m;
+      n2 += e.noise_sigma_m * e.noise_sigma_m;
+    }
+  score.report(state);
+  const auto n = static_cast<double>(state.range(3));
+  n1 /= n;
+  state.counters["noise"] = n1;
+  state.counters["noise_sd"] = std::sqrt(n2 / n - n1 * n1);
+}
+BENCHMARK(noise_unknown)
+    ->ArgsProduct({{1000, 3277}, {205, 220, 240, 260, 290}, {0, 30}, {100}})
+    ->Iterations(1)
+    ->Unit(benchmark::kSecond);
+
 /// Places uniform in a square, new ones every 20 surfaces; args: N, D·100, noise in %, surfaces.
 void accuracy_small(benchmark::State& state) {
   const auto count = static_cast<std::size_t>(state.range(0));
