@@ -144,6 +144,7 @@ Result<Raster> read_raster(const std::filesystem::path& file) {
   if (auto status = check_units(file, *dataset, band, raster->geographic); !status) return status.error();
   if (auto status = read_heights(file, *dataset, band, *raster); !status) return status.error();
   if (dataset->GetSpatialRef() == nullptr) raster->geographic = looks_geographic(*raster);
+  if (const char* crs = dataset->GetProjectionRef(); crs != nullptr) raster->crs_wkt = crs;
   return raster;
 }
 
@@ -163,6 +164,7 @@ Status write_geotiff(const std::filesystem::path& file, const Raster& raster) {
   GeoTransform transform{raster.x_min_m,  raster.cell_m, 0.0, raster.y_min_m + rows * raster.cell_y_m, 0.0,
                          -raster.cell_y_m};
   dataset->SetGeoTransform(transform.data());
+  if (!raster.crs_wkt.empty()) dataset->SetProjection(raster.crs_wkt.c_str());
   GDALRasterBand& band = *dataset->GetRasterBand(1);
   band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
   for (int r = 0; r < rows; ++r) {

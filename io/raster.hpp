@@ -15,9 +15,10 @@ struct Raster {
   Grid<float> height_m;
   double x_min_m = 0.0;
   double y_min_m = 0.0;
-  double cell_m = 1.0;      ///< of x
-  double cell_y_m = 1.0;    ///< of y; equal to cell_m but for rasters with oblong cells
-  bool geographic = false;  ///< cells are degrees, by the CRS or by plausibility (see message of the caller)
+  double cell_m = 1.0;       ///< of x
+  double cell_y_m = 1.0;     ///< of y; equal to cell_m but for rasters with oblong cells
+  bool geographic = false;   ///< cells are degrees, by the CRS or by plausibility (see message of the caller)
+  std::string crs_wkt = {};  ///< as the file has it; empty = none
 };
 
 /// Any format GDAL reads. A raster without a CRS counts as geographic when it lies within ±360 × ±90 and its heights,
@@ -29,7 +30,8 @@ Result<Raster> read_raster(const std::filesystem::path& file);
 /// The message for whoever needs metres and got a geographic raster: what was found and how to reproject it.
 Error geographic_error(const Raster& raster, const std::string& name);
 
-/// Float32 GeoTIFF, deflate, north up, nodata NaN, no CRS (map frame). Errors: cannot_create, io.
+/// Float32 GeoTIFF, deflate, north up, nodata NaN, with the CRS of `raster` (none: map frame). Errors: cannot_create,
+/// io.
 Status write_geotiff(const std::filesystem::path& file, const Raster& raster);
 
 }  // namespace scree::io

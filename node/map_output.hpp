@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result.hpp"
 #include "mapping/snapshot.hpp"
+#include "node/layer_files.hpp"
 #include "node/statistics.hpp"
 
 namespace scree::node {
@@ -26,19 +28,15 @@ class MapOutput {
                const std::optional<std::vector<std::string>>& only = std::nullopt) const;
 
  private:
-  std::filesystem::path base_;
-  std::string extension_;
-};
+  explicit MapOutput(LayerFiles files) : files_(std::move(files)) {}
 
-/// Makes sure that `path` can be created, without leaving anything behind. Errors: cannot_create.
-Status check_creatable(const std::filesystem::path& path);
+  LayerFiles files_;
+};
 
 enum class RobotPlace { known, unknown };  ///< unknown: a received map, whose T_map_body says nothing
 
 /// The picture of a map: elevation, D and cost side by side. `source` says where it comes from ("REPLAY", a path).
 Status write_snapshot_picture(const std::filesystem::path& path, const mapping::MapSnapshot& map,
                               const std::string& source, RobotPlace place);
-/// Errors: usage (not .png, or a build without pictures), cannot_create.
-Status check_picture_path(const std::filesystem::path& path);
 
 }  // namespace scree::node

@@ -97,7 +97,8 @@ Result<int> run_listen(ListenOptions options) {
     map_output = *std::move(prepared);
   }
   if (options.output.snapshot) {
-    if (const auto possible = check_picture_path(*options.output.snapshot); !possible) return possible.error();
+    if (const auto possible = check_picture_path("--snapshot", *options.output.snapshot); !possible)
+      return possible.error();
   }
 
   SignalWatch signals;

@@ -39,7 +39,8 @@ Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<dri
     map_output = *std::move(prepared);
   }
   if (run.output.snapshot) {
-    if (const auto possible = check_picture_path(*run.output.snapshot); !possible) return possible.error();
+    if (const auto possible = check_picture_path("--snapshot", *run.output.snapshot); !possible)
+      return possible.error();
   }
   if (run.pipeline.settings.pose.source == config::PoseSource::udp && run.pipeline.policy == QueuePolicy::lossless &&
       !run.pipeline.rate)

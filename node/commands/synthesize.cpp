@@ -16,7 +16,7 @@
 #include "io/picture.hpp"
 #include "io/raster.hpp"
 #include "node/commands/command_line.hpp"
-#include "node/map_output.hpp"
+#include "node/layer_files.hpp"
 
 namespace scree::node {
 namespace {

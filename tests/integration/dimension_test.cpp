@@ -92,6 +92,48 @@ TEST(DimensionCommand, TextPointsWithKnownNoiseAreRecovered) {
   EXPECT_GT(estimate({file})["dimension"], json["dimension"]);  // unmodelled noise looks rough
 }
 
+// The paper's moments on one fixed surface of 3600 cells: an error of .15 is more than 4 of their standard deviations
+// (docs/fractal.md: .04 at 10,000 points and lags to 25).
+TEST(DimensionCommand, MomentsOfTheLiteratureFollowTheSurfaceWithoutAnInterval) {
+  const TemporaryFolder folder;
+  const auto surface = *fractal::fbm_surface({kDimension, kAmplitude}, 60, 60, kCell, 13);
+  std::ostringstream text;
+  text.precision(9);
+  for (int r = 0; r < 60; ++r)
+    for (int c = 0; c < 60; ++c) text << kCell * c << ' ' << kCell * r << ' ' << surface(r, c) << '\n';
+  const auto file = write(folder, "points.xyz", text.str());
+  for (const char* method : {"yokoya", "pentland"})
+    for (const char* segment : {"polyline", "least-squares"}) {
+      const auto json = estimate({file, "--method", method, "--segment", segment, "--max-lag-m", "6"});
+      EXPECT_NEAR(json["dimension"].get<double>(), kDimension, 0.15);
+      EXPECT_NEAR(json["amplitude_m"].get<double>() / kAmplitude, 1.0, 0.2);
+      EXPECT_EQ(json["method"], method);
+      EXPECT_EQ(json["flags"].dump(), "[\"no_interval\"]");
+      EXPECT_GE(json["scale_range_m"][0], 0.9 * kCell);
+      EXPECT_LE(json["scale_range_m"][1], 6.0 * 1.1);
+    }
+  const auto noisy = estimate({file, "--method", "yokoya", "--noise-sigma-m", "0.1"});
+  EXPECT_THAT(noisy["flags"].dump(), HasSubstr("noise_ignored"));
+  EXPECT_THAT(scree({"dimension", file, "--method", "pentland"}).out, HasSubstr("no interval"));
+  const auto near = scree({"dimension", file, "--method", "pentland", "--max-lag-m", "0.3"});
+  EXPECT_EQ(near.exit_code, 65);
+  EXPECT_THAT(near.err, HasSubstr("longest lag: expected at least"));
+}
+
+TEST(DimensionCommand, PointsOfARecordingAreThoseOfAllItsFrames) {
+  const auto recording = small_recording().string();
+  const auto json = estimate({recording, "--max-points", "5000"});
+  EXPECT_EQ(json["recording"]["frames"], 7);
+  EXPECT_EQ(json["points"].get<int>() + json["duplicates"].get<int>(), 5000);
+  EXPECT_EQ(json["points_found"].get<int>() + json["points_skipped"].get<int>(), json["recording"]["pixels"]);
+  EXPECT_GT(json["recording"]["sensor_noise_sigma_m"], 0.0);
+  const auto two = estimate({recording, "--frames", "2", "--max-points", "5000"});
+  EXPECT_EQ(two["recording"]["frames"], 2);
+  EXPECT_LT(two["points_found"], json["points_found"]);
+  EXPECT_EQ(estimate({recording, "--max-points", "5000"}), json);
+  EXPECT_NE(estimate({recording, "--max-points", "5000", "--seed", "5"})["dimension"], json["dimension"]);
+}
+
 TEST(DimensionCommand, WhatHasNoDimensionIs65WithAReason) {
   const TemporaryFolder folder;
   std::string few, line, flat, plane;
@@ -112,6 +154,8 @@ TEST(DimensionCommand, WhatHasNoDimensionIs65WithAReason) {
     EXPECT_THAT(finished.err, HasSubstr(reason));
     EXPECT_THAT(finished.err, HasSubstr("bad.xyz"));
     EXPECT_EQ(finished.out, "");
+    const auto yokoya = scree({"dimension", (folder / "bad.xyz").string(), "--method", "yokoya"});
+    EXPECT_EQ(yokoya.exit_code, 65) << reason << yokoya.out;
   }
 }
 
@@ -140,10 +184,15 @@ TEST(DimensionCommand, UsageAndMissingInputsHaveTheirExitCodes) {
   EXPECT_EQ(scree({"dimension", "x.xyz", "--method", "guess"}).exit_code, 64);
   EXPECT_EQ(scree({"dimension", "x.xyz", "--noise-sigma-m", "-1"}).exit_code, 64);
   EXPECT_EQ(scree({"dimension", "x.xyz", "--noise-xy-sigma-m", "nan"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "x.xyz", "--noise-sigma-m", "some"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "x.xyz", "--max-lag-m", "-2"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "x.xyz", "--segment", "spline"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "x.xyz", "--frames", "2"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "x.xyz", "--geographic"}).exit_code, 64);
   EXPECT_EQ(scree({"dimension", "/nowhere/x.xyz"}).exit_code, 66);
   EXPECT_EQ(scree({"dimension", "/nowhere/x.tif"}).exit_code, 66);
   const TemporaryFolder folder;
-  EXPECT_EQ(scree({"dimension", folder.path().string()}).exit_code, 65);
+  EXPECT_EQ(scree({"dimension", folder.path().string()}).exit_code, 66);  // a recording without its yaml
 }
 
 // Interpolated and rounded to whole metres: smooth between neighbours, rough across the valleys.

@@ -1,0 +1,46 @@
+#pragma once
+// The paper's method from points to D: annuli chosen for the survey, pair moments by the cheapest route that gives
+// them, the first linear part of the log–log plot.
+
+#include <cstdint>
+#include <vector>
+
+#include "core/executor.hpp"
+#include "core/grid.hpp"
+#include "core/result.hpp"
+#include "fractal/dimension_estimate.hpp"
+#include "fractal/loglog_fit.hpp"
+#include "fractal/structure_function.hpp"
+
+namespace scree::fractal {
+
+struct MomentOptions {
+  Moment moment = Moment::first_absolute;
+  Segmentation segmentation = Segmentation::least_squares;
+  double max_lag_m = 0.0;   ///< centre of the last annulus; 0 = a quarter of the side of the survey's main box
+  double tolerance = 0.05;  ///< of a linear part, nepers
+  std::uint64_t seed = 1;   ///< of the thinning, where there is one
+  /// The survey as a lattice of square cells (NaN = unknown), where it is one: the second moment then counts every pair
+  /// of cells by Fourier transforms, also those that `survey` is only a part of.
+  const Grid<float>* lattice_m = nullptr;
+  double lattice_cell_m = 0.0;
+};
+
+struct MomentDimension {
+  DimensionEstimate estimate;  ///< D may lie outside [2, 3]; sigma is NaN and the interval says nothing
+  LogLogDimension fit;
+  std::vector<LogLogPoint> points;
+  PairRoute route = PairRoute::near_pairs;
+};
+
+/// Yokoya's (first absolute moment) or Pentland's (second) D, as [AK96] section 2.4, with the mean log distances of the
+/// annuli as abscissae. Annuli touch, a fourth of an octave wide, from half a mean spacing (a lattice: one cell) on.
+/// Noise and tilt are part of the heights here: they are not taken off, and `noise_sigma_m` is ignored. All pairs while
+/// there are at most 10^9 within reach, thinned above (structure_function.hpp). There is no interval: neighbouring
+/// annuli share most of their errors, so the scatter about the line says nothing of that of its slope.
+/// Errors: those of estimate_dimension_vecchia (what has no D); bad_data where no three annuli in a row hold enough
+/// pairs and lie on a line; usage (a lag that is not positive). Deterministic.
+Result<MomentDimension> estimate_dimension_moment(const SurveyPoints& survey, const MomentOptions& options,
+                                                  Executor& executor);
+
+}  // namespace scree::fractal

@@ -1,0 +1,21 @@
+#pragma once
+// What `scree dimension` says: one line for people, one JSON document for programs.
+
+#include <string>
+
+#include "node/dimension_methods.hpp"
+#include "node/survey_input.hpp"
+
+namespace scree::node {
+
+/// Everything that was found about one input.
+struct DimensionReport {
+  const SurveyInput& input;
+  const DimensionRequest& request;
+  const DimensionAnswer& answer;
+};
+
+std::string dimension_line(const DimensionReport& report);
+std::string dimension_json(const DimensionReport& report);
+
+}  // namespace scree::node
