@@ -2,13 +2,11 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <map>
+
+#include "fractal/increment_covariance.hpp"
 
 namespace scree::fractal {
 namespace {
-
-constexpr int kCorrelationReach = 12;                                   // cells between two increments (max norm)
-constexpr int kLagReach = kCorrelationReach + 2 * kIncrementReach + 1;  // cells between their points
 
 using ClassMatrix = Eigen::Matrix<double, kClassCount, kClassCount>;
 using ClassVector = Eigen::Matrix<double, kClassCount, 1>;
@@ -29,56 +27,21 @@ struct EnergyCovariance {
   }
 };
 
-/// Σ_kl λ_k λ_l at each separation p_k − q_l.
-std::map<std::pair<int, int>, int> cross_weights(const Increment& p, const Increment& q) {
-  std::map<std::pair<int, int>, int> sum;
-  for (const auto& a : p)
-    for (const auto& b : q) sum[{a.dx - b.dx, a.dy - b.dy}] += a.weight * b.weight;
-  return sum;
-}
-
-/// Generalised covariance −γ̄/2 on a quarter plane of lags.
-class Kernel {
- public:
-  Kernel(Support support, double hurst) : values_(kLagReach * kLagReach) {
-    for (int dy = 0; dy < kLagReach; ++dy)
-      for (int dx = 0; dx <= dy; ++dx)
-        values_[index(dx, dy)] = values_[index(dy, dx)] = -0.5 * mean_variogram(support, hurst, dx, dy);
-  }
-  double operator()(int dx, int dy) const { return values_[index(std::abs(dx), std::abs(dy))]; }
-
- private:
-  static std::size_t index(int dx, int dy) { return static_cast<std::size_t>(dy * kLagReach + dx); }
-  std::vector<double> values_;
-};
-
-int shared_cells(const Increment& p, const Increment& q, int ox, int oy) {
-  int shared = 0;
-  for (const auto& a : p)
-    for (const auto& b : q) shared += a.dx == b.dx + ox && a.dy == b.dy + oy;
-  return shared;
-}
-
 using PairSums = std::array<std::array<double, 3>, kSharedCounts>;
 
-void add_pair(const Kernel& kernel, const Increment& p, const Increment& q, PairSums& sums) {
-  const auto weights = cross_weights(p, q);
+void add_pair(const IncrementKernel& kernel, const Increment& p, const Increment& q, PairSums& sums) {
+  const IncrementPair pair(p, q);
   for (int oy = -kCorrelationReach; oy <= kCorrelationReach; ++oy)
     for (int ox = -kCorrelationReach; ox <= kCorrelationReach; ++ox) {
-      double signal = 0.0, noise = 0.0;
-      for (const auto& [lag, weight] : weights) {
-        signal += weight * kernel(lag.first - ox, lag.second - oy);
-        if (lag.first == ox && lag.second == oy) noise += weight;
-      }
-      const bool near = std::max(std::abs(ox), std::abs(oy)) <= 2 * kIncrementReach;
-      auto& to = sums[static_cast<std::size_t>(near ? shared_cells(p, q, ox, oy) : 0)];
-      to[0] += signal * signal;
-      to[1] += signal * noise;
-      to[2] += noise * noise;
+      const IncrementCovariance at = pair.covariance(kernel, ox, oy);
+      auto& to = sums[static_cast<std::size_t>(pair.shared_cells(ox, oy))];
+      to[0] += at.signal * at.signal;
+      to[1] += at.signal * at.noise;
+      to[2] += at.noise * at.noise;
     }
 }
 
-EnergyCovariance energy_covariance(const Kernel& kernel) {
+EnergyCovariance energy_covariance(const IncrementKernel& kernel) {
   EnergyCovariance result;
   for (int c = 0; c < kClassCount; ++c)
     for (int d = 0; d <= c; ++d) {
@@ -98,11 +61,11 @@ EnergyCovariance energy_covariance(const Kernel& kernel) {
 }
 
 ClassVector signal_variances(Support support, double hurst) {
-  ClassVector signal = ClassVector::Zero();
+  const IncrementKernel kernel(support, hurst, IncrementKernel::kVarianceReach);
+  ClassVector signal;
   for (int c = 0; c < kClassCount; ++c) {
     const Increment increment = kClasses[static_cast<std::size_t>(c)].increments().front();
-    for (const auto& [lag, weight] : cross_weights(increment, increment))
-      signal(c) -= 0.5 * weight * mean_variogram(support, hurst, lag.first, lag.second);
+    signal(c) = IncrementPair(increment, increment).covariance(kernel, 0, 0).signal;
   }
   return signal;
 }
@@ -183,7 +146,7 @@ DimensionTables build(Support support) {
   std::vector<EnergyCovariance> covariances;
   for (int i = 0; i < DimensionTables::kHurstNodes; ++i)
     covariances.push_back(
-        energy_covariance(Kernel(support, DimensionTables::hurst_of(i * DimensionTables::kGainStride))));
+        energy_covariance(IncrementKernel(support, DimensionTables::hurst_of(i * DimensionTables::kGainStride))));
   for (const double share : DimensionTables::kNuggets) {
     for (const double fill : DimensionTables::kFills)
       for (int i = 0; i < DimensionTables::kHurstNodes; ++i) {

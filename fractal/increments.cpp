@@ -1,5 +1,7 @@
 #include "fractal/increments.hpp"
 
+#include <cmath>
+
 #include "core/simd.hpp"
 
 namespace scree::fractal {
@@ -40,6 +42,33 @@ std::vector<Increment> IncrementClass::increments() const {
   }
   const int low = -(h / 2), high = low + h;  // no centre cell for odd h: the corner at −⌊h/2⌋
   return {{{low, low, 1}, {high, low, -1}, {low, high, -1}, {high, high, 1}}};
+}
+
+void load_heights(const Grid<float>& height_m, MaskedHeights& out) {
+  if (out.rows != height_m.rows() || out.columns != height_m.columns() || out.height.empty()) {
+    out.rows = height_m.rows();
+    out.columns = height_m.columns();
+    const auto cells =
+        static_cast<std::size_t>(out.rows + 2 * kIncrementReach) * static_cast<std::size_t>(out.stride());
+    out.height.assign(cells, 0.0F);
+    out.mask.assign(cells, 0.0F);
+  }
+  for (int r = 0; r < out.rows; ++r) {
+    const auto row = height_m.row(r);
+    float* height = out.height.data() + out.offset(r, 0);
+    float* mask = out.mask.data() + out.offset(r, 0);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const bool known = std::isfinite(row[i]);
+      height[i] = known ? row[i] : 0.0F;
+      mask[i] = known ? 1.0F : 0.0F;
+    }
+  }
+}
+
+double rounding_variance_m2(float largest_m) {
+  if (!(largest_m > 0.0F)) return 0.0;
+  const double unit_m = std::ldexp(1.0, std::ilogb(largest_m) - 23);
+  return unit_m * unit_m / 12.0;
 }
 
 void increment_energies(const MaskedHeights& z, IncrementClass increment_class, int row, std::span<float> energy,

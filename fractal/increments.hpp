@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/grid.hpp"
+
 namespace scree::fractal {
 
 inline constexpr int kClassCount = 8;
@@ -47,6 +49,13 @@ struct MaskedHeights {
     return static_cast<std::ptrdiff_t>(row + kIncrementReach) * stride() + column + kIncrementReach;
   }
 };
+
+/// Fills `out`; its buffers are reused where the shape is the same. NaN and infinite heights are unknown.
+void load_heights(const Grid<float>& height_m, MaskedHeights& out);
+
+/// Variance of the rounding of float heights none of which exceeds `largest_m`: a twelfth of the square of one unit in
+/// the last place of its binade.
+double rounding_variance_m2(float largest_m);
 
 /// Squares and counts of the complete increments of one class, centred at each cell of one row. Branch-free.
 void increment_energies(const MaskedHeights& z, IncrementClass increment_class, int row, std::span<float> energy,
