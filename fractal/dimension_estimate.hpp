@@ -59,6 +59,9 @@ struct DimensionEstimate {
   double coarse_dimension = std::numeric_limits<double>::quiet_NaN();  ///< of a random part; NaN for few points
   double coarse_spacing_m = 0.0;                                       ///< its mean spacing
   double relative_noise = 0.0;  ///< τ: noise variance over the squared height change at the mean spacing
+  /// The range of scales the estimate rests on: distances between points. NaN where the method does not say.
+  double lag_min_m = std::numeric_limits<double>::quiet_NaN();
+  double lag_max_m = std::numeric_limits<double>::quiet_NaN();
   std::uint16_t flags = 0;
 };
 

@@ -1,0 +1,169 @@
+#include "fractal/scale_laws.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "fractal/lag_fit.hpp"
+#include "fractal/least_squares.hpp"
+#include "fractal/scale_parameters.hpp"
+
+namespace scree::fractal {
+namespace {
+
+constexpr std::array<ScaleLaw, 4> kLaws{ScaleLaw::power, ScaleLaw::power_and_noise, ScaleLaw::two_scales,
+                                        ScaleLaw::plateau};
+constexpr int kRounds = 3;
+
+/// A law at its best under the weights of the moment.
+struct Fitted {
+  LeastSquares at;
+  GroundLaw ground;
+};
+
+/// One survey's lags and the weights that all laws share.
+class Analysis {
+ public:
+  explicit Analysis(const LagStatistics& statistics) : statistics_(statistics), model_(statistics), fit_(statistics) {}
+
+  void weigh(const GroundLaw& ground) { fit_.weigh(model_, ground); }
+
+  Fitted fit(ScaleLaw law) const {
+    const ScaleParameters parameters(law, statistics_);
+    const auto residuals = [&](const Eigen::VectorXd& p) {
+      return fit_.residual(model_.expected(parameters.ground(p)).array().log());
+    };
+    LeastSquares best;
+    for (const auto& start : parameters.starts())
+      if (LeastSquares found = minimise(residuals, start); best.parameters.size() == 0 || found.cost < best.cost)
+        best = std::move(found);
+    GroundLaw ground = parameters.ground(best.parameters);
+    return {std::move(best), ground};
+  }
+
+  double bic(const Fitted& fitted) const {
+    return fitted.at.cost + static_cast<double>(fitted.at.parameters.size()) * penalty();
+  }
+  double penalty() const { return kPenalty * std::log(static_cast<double>(statistics_.lags.size())); }
+  const LagModel& model() const { return model_; }
+
+ private:
+  static constexpr double kPenalty = 1.0;
+  const LagStatistics& statistics_;
+  LagModel model_;
+  LagFit fit_;
+};
+
+std::size_t cheapest(const Analysis& analysis, const std::array<Fitted, 4>& fits, std::size_t first) {
+  std::size_t best = first;
+  for (std::size_t i = first + 1; i < fits.size(); ++i)
+    if (analysis.bic(fits[i]) < analysis.bic(fits[best])) best = i;
+  return best;
+}
+
+std::array<Fitted, 4> fit_all(const Analysis& analysis) {
+  std::array<Fitted, 4> fits;
+  for (std::size_t i = 0; i < fits.size(); ++i) fits[i] = analysis.fit(kLaws[i]);
+  return fits;
+}
+
+/// Distance at which the slope of a growing law is half-way between H and that of the other term.
+void mark_range(const GroundLaw& ground, const LagStatistics& statistics, ScaleLawFit& out) {
+  const double h2 = 2.0 * ground.first.hurst;
+  double low = statistics.lags.front().distance, high = statistics.lags.back().distance;
+  // C·d^(2H) = noise: the slope there is H/2. Blurred places look like noise as well.
+  const double white = 2.0 * ground.white_variance();
+  if (white > 0.0) low = std::max(low, std::pow(white / ground.first.square, 1.0 / h2));
+  if (ground.second.square > 0.0) {
+    const double crossover =
+        std::pow(ground.first.square / ground.second.square, 1.0 / (2.0 * ground.second.hurst - h2));
+    out.crossover_m = crossover * statistics.spacing_m;
+    high = std::min(high, crossover);
+  }
+  if (ground.plateau_lag > 0.0) {
+    constexpr double kHalfSlope = 1.2564312;  // x/(e^x − 1) = 1/2
+    out.crossover_m = ground.plateau_lag * statistics.spacing_m;
+    high = std::min(high, ground.plateau_lag * std::pow(kHalfSlope, 1.0 / h2));
+  }
+  out.lag_min_m = std::min(low, high) * statistics.spacing_m;
+  out.lag_max_m = std::max(low, high) * statistics.spacing_m;
+}
+
+ScaleLawFit describe(const Fitted& fitted, ScaleLaw law, const LagStatistics& statistics) {
+  ScaleLawFit out;
+  out.law = law;
+  out.parameters = static_cast<int>(fitted.at.parameters.size());
+  out.chi_square = fitted.at.cost;
+  const GroundLaw& ground = fitted.ground;
+  out.dimension = 3.0 - ground.first.hurst;
+  out.amplitude_m =
+      std::sqrt(ground.first.square) * statistics.height_m * std::pow(statistics.spacing_m, -ground.first.hurst);
+  const Eigen::MatrixXd normal = fitted.at.jacobian.transpose() * fitted.at.jacobian;
+  const double variance = normal.inverse()(ScaleParameters::kHurst, ScaleParameters::kHurst);
+  const double reach = variance > 0.0 ? 1.959964 * std::sqrt(variance) : 50.0;
+  const double at = fitted.at.parameters[ScaleParameters::kHurst];
+  out.interval95 = {3.0 - ScaleParameters::hurst(at + reach), 3.0 - ScaleParameters::hurst(at - reach)};
+  if (law == ScaleLaw::power_and_noise)
+    out.noise_sigma_m = std::sqrt(ground.noise_variance - statistics.noise_variance) * statistics.height_m;
+  if (law == ScaleLaw::two_scales) out.coarse_dimension = 3.0 - ground.second.hurst;
+  if (law == ScaleLaw::plateau)
+    out.plateau_m =
+        std::sqrt(ground.first.square) * std::pow(ground.plateau_lag, ground.first.hurst) * statistics.height_m;
+  mark_range(ground, statistics, out);
+  return out;
+}
+
+/// Points and model in metres, as the plot shows them.
+void draw(const LagModel& model, const GroundLaw& ground, const LagStatistics& statistics, ScaleAnalysis& out) {
+  const Eigen::VectorXd expected = model.expected(ground);
+  for (Eigen::Index l = 0; l < expected.size(); ++l) {
+    const Lag& lag = statistics.lags[static_cast<std::size_t>(l)];
+    const double total = ground.variogram(lag.distance) + 2.0 * (ground.noise_variance + statistics.slope_noise);
+    const double corrected = lag.log_square + std::log(total / expected[l]);
+    out.points.push_back(
+        {std::log(lag.distance * statistics.spacing_m), 0.5 * corrected + std::log(statistics.height_m), lag.pairs});
+    out.log_model.push_back(0.5 * std::log(total) + std::log(statistics.height_m));
+  }
+}
+
+}  // namespace
+
+std::string_view scale_law_name(ScaleLaw law) {
+  constexpr std::array<std::string_view, 4> kNames{"power", "power_and_noise", "two_scales", "plateau"};
+  return kNames[static_cast<std::size_t>(law)];
+}
+
+Result<ScaleAnalysis> analyse_scales(const SurveyPoints& survey, const StructureDimensionOptions& options,
+                                     Executor& executor) {
+  const auto statistics = lag_statistics(survey, {options.max_lag_m, options.seed}, executor);
+  if (!statistics) return statistics.error();
+  Analysis analysis(*statistics);
+  const ScaleParameters power(ScaleLaw::power, *statistics);
+  GroundLaw weights = power.ground(power.starts().front());
+  for (int round = 0; round < kRounds; ++round) {
+    analysis.weigh(weights);
+    weights = analysis.fit(ScaleLaw::power).ground;
+  }
+  analysis.weigh(weights);
+  std::array<Fitted, 4> fits = fit_all(analysis);
+  std::size_t chosen = cheapest(analysis, fits, 0);
+  // A law that replaces the power law is judged among the others by its own weights.
+  for (int round = 0; chosen != 0 && round < kRounds; ++round) {
+    analysis.weigh(fits[chosen].ground);
+    fits = fit_all(analysis);
+    const std::size_t before = chosen;
+    chosen = cheapest(analysis, fits, 1);
+    if (chosen == before && round > 0) break;
+  }
+  ScaleAnalysis out;
+  out.chosen = chosen;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    out.fits.push_back(describe(fits[i], kLaws[i], *statistics));
+    out.fits.back().bic = analysis.bic(fits[i]);
+  }
+  draw(analysis.model(), fits[chosen].ground, *statistics, out);
+  return out;
+}
+
+}  // namespace scree::fractal
