@@ -14,6 +14,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "io/drawing.hpp"
 #include "io/picture_layout.hpp"
 
 namespace scree::io {
@@ -54,8 +55,6 @@ cv::Vec3b colour_of(const cv::Mat& table, double value, double min, double max) 
   return table.at<cv::Vec3b>(0, static_cast<int>(std::lround(255 * level)));
 }
 
-enum class Align { left, centre, right };
-
 /// `at` is the baseline's left end, centre or right end.
 void write(cv::Mat& canvas, const std::string& text, cv::Point at, Align align, double scale, int thickness = kFine) {
   int baseline = 0;
@@ -63,22 +62,6 @@ void write(cv::Mat& canvas, const std::string& text, cv::Point at, Align align, 
   if (align == Align::centre) at.x -= size.width / 2;
   if (align == Align::right) at.x -= size.width;
   cv::putText(canvas, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, kInk, thickness, cv::LINE_AA);
-}
-
-/// OpenCV's letters are ASCII.
-std::string ascii(const std::string& text) {
-  std::string result;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (byte < 0x80) {
-      result += text[i];
-    } else if (byte == 0xC3 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) == 0x97) {
-      result += 'x';  // ×
-    } else if (byte == 0xE2) {
-      result += "...";  // … and dashes
-    }
-  }
-  return result;
 }
 
 /// Maps a panel's metres to its pixels.
@@ -197,7 +180,7 @@ void draw_panel(cv::Mat& canvas, const View& view, const PicturePanel& panel, co
   draw_colour_bar(canvas, view, panel.scale, min, max);
   draw_scale_bar(canvas, view);
   if (robot) draw_robot(canvas, view, *robot);
-  write(canvas, ascii(panel.title), {view.box.x + view.box.width / 2, view.box.y - 24 * kFine}, Align::centre,
+  write(canvas, ascii_text(panel.title), {view.box.x + view.box.width / 2, view.box.y - 24 * kFine}, Align::centre,
         kTitleScale);
 }
 
@@ -222,7 +205,7 @@ cv::Mat draw(const std::vector<PicturePanel>& panels, const PictureFrame& frame,
                     block.columns};
     draw_panel(canvas, view, panels[i], cut(panels[i].values, block), robot);
   }
-  write(canvas, ascii(caption), {kLeft, canvas.rows - 14 * kFine}, Align::left, kTextScale);
+  write(canvas, ascii_text(caption), {kLeft, canvas.rows - 14 * kFine}, Align::left, kTextScale);
   cv::Mat picture;
   cv::resize(canvas, picture, {}, 1.0 / kFine, 1.0 / kFine, cv::INTER_AREA);
   return picture;

@@ -123,4 +123,22 @@ Grid<float> hillshade(const Grid<float>& height_m, double cell_m) {
   return brightness;
 }
 
+std::string ascii_text(const std::string& text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
+    if (byte < 0x80) {
+      result += text[i];
+    } else if (byte == 0xC3 && next == 0x97) {
+      result += 'x';
+    } else if (byte == 0xC2 && next == 0xB1) {
+      result += "+-";
+    } else if (byte == 0xE2) {
+      result += "...";
+    }
+  }
+  return result;
+}
+
 }  // namespace scree::io

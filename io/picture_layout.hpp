@@ -40,4 +40,7 @@ std::pair<double, double> value_limits(const Grid<float>& values);
 /// of the known are one-sided.
 Grid<float> hillshade(const Grid<float>& height_m, double cell_m);
 
+/// OpenCV's letters are ASCII: × becomes x, ± +-, dashes and … three dots; other letters are left out.
+std::string ascii_text(const std::string& text);
+
 }  // namespace scree::io

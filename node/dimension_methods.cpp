@@ -18,7 +18,8 @@ SurveyPoints points_of(const SurveyInput& input, const DimensionRequest& request
           .z_m = input.z_m,
           .noise_sigma_m = request.noise_sigma_m,
           .noise_xy_sigma_m = request.noise_xy_sigma_m,
-          .height_resolution_m = input.height_resolution_m};
+          .height_resolution_m = input.height_resolution_m,
+          .noise_unknown = request.noise_auto};
 }
 
 /// Neighbours up to the coarse look's spacing carry nearly all that the likelihood knows of D.
@@ -27,12 +28,17 @@ Result<DimensionAnswer> by_vecchia(const SurveyPoints& survey) {
   if (!estimate) return estimate.error();
   DimensionAnswer answer;
   answer.estimate = *std::move(estimate);
+  answer.noise_sigma_m = answer.estimate.noise_sigma_m;
   answer.scale_range_m = {answer.estimate.spacing_m,
                           std::max(answer.estimate.spacing_m, 2.0 * answer.estimate.coarse_spacing_m)};
   return answer;
 }
 
 Result<DimensionAnswer> by_moment(const SurveyInput& input, const DimensionRequest& request, Executor& executor) {
+  if (request.noise_auto)
+    return Error{ErrorKind::usage,
+                 "--noise-sigma-m auto: expected --method auto or vecchia beside it, found --method " + request.method +
+                     ", which takes no noise"};
   fractal::MomentOptions options;
   options.moment = request.method == "yokoya" ? Moment::first_absolute : Moment::second;
   options.segmentation = request.segmentation;
@@ -47,7 +53,10 @@ Result<DimensionAnswer> by_moment(const SurveyInput& input, const DimensionReque
   DimensionAnswer answer;
   answer.estimate = std::move(found->estimate);
   answer.has_interval = false;
+  answer.noise_sigma_m = request.noise_sigma_m;
   answer.scale_range_m = {found->fit.lag_min_m, found->fit.lag_max_m};
+  answer.plot_points = std::move(found->points);
+  answer.plot_moment = options.moment;
   answer.flags.emplace_back("no_interval");
   const bool noise = request.noise_sigma_m > 0.0 || request.noise_xy_sigma_m > 0.0;
   if (noise) answer.flags.emplace_back("noise_ignored");
@@ -61,7 +70,7 @@ void add_flags(const SurveyInput& input, DimensionAnswer& answer) {
   for (const auto name : fractal::flag_names(answer.estimate.flags))
     if (answer.has_interval || !name.starts_with("open_")) flags.emplace_back(name);
   constexpr double kRounding = 0.28;
-  if (input.whole_metres && answer.estimate.noise_sigma_m < kRounding) flags.emplace_back("whole_metre_heights");
+  if (input.whole_metres && answer.noise_sigma_m < kRounding) flags.emplace_back("whole_metre_heights");
   if (sampled(input, answer)) flags.emplace_back("sampled");
   flags.insert(flags.end(), answer.flags.begin(), answer.flags.end());
   answer.flags = std::move(flags);

@@ -26,9 +26,13 @@ struct DimensionRequest {
 struct DimensionAnswer {
   fractal::DimensionEstimate estimate;
   bool has_interval = true;
-  fractal::Interval scale_range_m{0.0, 0.0};        ///< scales that D was estimated on
+  double noise_sigma_m = 0.0;                 ///< of a height: given or estimated, with what horizontal noise adds
+  fractal::Interval scale_range_m{0.0, 0.0};  ///< scales that D was estimated on
   std::optional<fractal::DimensionEstimate> check;  ///< by the other method, where both apply
-  std::vector<std::string> flags;                   ///< of estimate and input, each once
+  /// What the line was fitted to, for methods that fit one.
+  std::vector<fractal::LogLogPoint> plot_points;
+  fractal::Moment plot_moment = fractal::Moment::second;
+  std::vector<std::string> flags;  ///< of estimate and input, each once
 };
 
 std::vector<std::string> dimension_methods();

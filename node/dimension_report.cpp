@@ -38,6 +38,19 @@ Json counts(const SurveyFrames& frames) {
           {"sensor_noise_xy_sigma_m", frames.noise_xy_sigma_m}};
 }
 
+Json maps(const MapsSummary& summary) {
+  return {{"cell_m", summary.cell_m},
+          {"window_cells", summary.window_cells},
+          {"rows", summary.rows},
+          {"columns", summary.columns},
+          {"known_cells", summary.known_cells},
+          {"dimension_cells", summary.dimension_cells},
+          {"median_dimension", number(summary.median_dimension)},
+          {"too_little_data", summary.too_little_data},
+          {"noise_limited", summary.noise_limited},
+          {"not_fractal", summary.not_fractal}};
+}
+
 std::string interval_text(const DimensionAnswer& answer) {
   const DimensionEstimate& estimate = answer.estimate;
   if (!answer.has_interval) return "no interval";
@@ -49,10 +62,14 @@ std::string interval_text(const DimensionAnswer& answer) {
 }
 
 std::string noise_text(const DimensionReport& report) {
-  const auto& [input, request, answer] = report;
+  const SurveyInput& input = report.input;
+  const DimensionRequest& request = report.request;
+  const DimensionAnswer& answer = report.answer;
   if (!answer.has_interval) return "noise and tilt not taken off";
   std::string text = fmt::format("noise {:g} m", request.noise_sigma_m);
-  if (request.noise_sigma_m == 0.0 && request.noise_xy_sigma_m == 0.0) {
+  if (request.noise_auto) {
+    text = fmt::format("noise {:.3g} m estimated", answer.estimate.noise_sigma_m);
+  } else if (request.noise_sigma_m == 0.0 && request.noise_xy_sigma_m == 0.0) {
     text += " assumed (--noise-sigma-m)";
     if (input.frames)
       text = fmt::format("noise 0 m assumed (the sensor's: --noise-sigma-m {:.2g})", input.frames->noise_sigma_m);
@@ -73,7 +90,9 @@ bool said(const std::string& flag) {
 }  // namespace
 
 std::string dimension_json(const DimensionReport& report) {
-  const auto& [input, request, answer] = report;
+  const SurveyInput& input = report.input;
+  const DimensionRequest& request = report.request;
+  const DimensionAnswer& answer = report.answer;
   const DimensionEstimate& estimate = answer.estimate;
   Json json{
       {"dimension", number(estimate.dimension)},
@@ -90,17 +109,20 @@ std::string dimension_json(const DimensionReport& report) {
       {"spacing_m", estimate.spacing_m},
       {"coarse_dimension", number(estimate.coarse_dimension)},
       {"coarse_spacing_m", estimate.coarse_spacing_m},
-      {"noise_sigma_m", request.noise_sigma_m},
+      {"noise_sigma_m", request.noise_auto ? estimate.noise_sigma_m : request.noise_sigma_m},
+      {"noise_estimated", estimate.noise_estimated},
       {"noise_xy_sigma_m", request.noise_xy_sigma_m},
       {"effective_noise_sigma_m", estimate.noise_sigma_m},
       {"relative_noise", number(estimate.relative_noise)},
   };
   if (input.frames) json["recording"] = counts(*input.frames);
+  if (report.maps) json["maps"] = maps(*report.maps);
   return json.dump(2) + "\n";
 }
 
 std::string dimension_line(const DimensionReport& report) {
-  const auto& [input, request, answer] = report;
+  const SurveyInput& input = report.input;
+  const DimensionAnswer& answer = report.answer;
   const DimensionEstimate& estimate = answer.estimate;
   std::string line = std::isfinite(estimate.dimension)
                          ? fmt::format("D = {:.3f} ({}), amplitude {:.4g} m at 1 m", estimate.dimension,

@@ -1,8 +1,10 @@
 #pragma once
 // What `scree dimension` says: one line for people, one JSON document for programs.
 
+#include <optional>
 #include <string>
 
+#include "node/dimension_maps.hpp"
 #include "node/dimension_methods.hpp"
 #include "node/survey_input.hpp"
 
@@ -13,6 +15,7 @@ struct DimensionReport {
   const SurveyInput& input;
   const DimensionRequest& request;
   const DimensionAnswer& answer;
+  std::optional<MapsSummary> maps;
 };
 
 std::string dimension_line(const DimensionReport& report);

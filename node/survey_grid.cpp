@@ -11,7 +11,7 @@
 namespace scree::node {
 namespace {
 
-constexpr double kMostCells = 1 << 24;
+constexpr double kMostCells = 1 << 25;
 
 Result<SurveyGrid> from_raster(const SurveyRaster& survey, const GriddingOptions& options) {
   if (options.cell_m > 0.0)

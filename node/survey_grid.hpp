@@ -35,7 +35,7 @@ struct GriddingOptions {
 };
 
 /// A raster's own cells, or scattered points averaged in the cells of a lattice aligned to the origin of their
-/// coordinates. Errors: usage (a cell for a raster), bad_data (oblong cells, a grid of more than 2^24 cells).
+/// coordinates. Errors: usage (a cell for a raster), bad_data (oblong cells, a grid of more than 2^25 cells).
 Result<SurveyGrid> grid_survey(const SurveyInput& survey, const GriddingOptions& options);
 
 }  // namespace scree::node

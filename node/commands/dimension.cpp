@@ -4,15 +4,22 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
+#include <optional>
+#include <spdlog/spdlog.h>
 #include <string>
 #include <utility>
 
 #include "core/executor.hpp"
 #include "node/commands/command_line.hpp"
+#include "node/dimension_maps.hpp"
 #include "node/dimension_methods.hpp"
+#include "node/dimension_plot.hpp"
 #include "node/dimension_report.hpp"
+#include "node/layer_files.hpp"
+#include "node/survey_grid.hpp"
 #include "node/survey_input.hpp"
 
 namespace scree::node {
@@ -24,7 +31,15 @@ struct DimensionOptions {
   SurveyReading reading;
   std::string noise = "0";
   std::string segment = "least-squares";
+  double window_m = 0.0, cell_m = 0.0;  // 0 = not given
+  std::string out, plot;
   bool json = false;
+};
+
+/// Files to write, checked before the work.
+struct Outputs {
+  std::optional<LayerFiles> maps;
+  std::optional<std::filesystem::path> plot;
 };
 
 Status check_length(const char* option, double value, const char* meaning) {
@@ -55,17 +70,89 @@ Status complete(DimensionOptions& options) {
   return {};
 }
 
+Status check_map_options(const DimensionOptions& options) {
+  const bool window = options.window_m != 0.0, out = !options.out.empty();
+  if (window != out)
+    return Error{ErrorKind::usage,
+                 fmt::format("{0}: expected {1} beside it (maps need both), found none",
+                             window ? "--window-m" : "--out", window ? "--out BASE.EXT" : "--window-m W")};
+  if (options.cell_m != 0.0 && !window)
+    return Error{ErrorKind::usage, "--cell-m: expected --window-m and --out beside it, found none"};
+  const std::array<std::pair<const char*, double>, 2> lengths{
+      {{"--window-m", options.window_m}, {"--cell-m", options.cell_m}}};
+  for (const auto& [name, value] : lengths)
+    if (Status status = check_length(name, value, "metres above 0"); !status) return status;
+  return {};
+}
+
+Result<Outputs> check_outputs(const DimensionOptions& options) {
+  if (Status status = check_map_options(options); !status) return status.error();
+  Outputs outputs;
+  if (!options.out.empty()) {
+    auto files = LayerFiles::prepare("--out", options.out);
+    if (!files) return files.error();
+    if (Status status = check_creatable(files->file("dimension")); !status) return status.error();
+    outputs.maps = *std::move(files);
+  }
+  if (!options.plot.empty()) {
+    if (Status status = check_picture_path("--plot", options.plot); !status) return status.error();
+    outputs.plot = options.plot;
+  }
+  return outputs;
+}
+
+Result<MapsSummary> make_maps(const DimensionOptions& options, const DimensionReport& report, const LayerFiles& files,
+                              Executor& executor) {
+  GriddingOptions gridding;
+  gridding.cell_m = options.cell_m;
+  gridding.spacing_m = report.answer.estimate.spacing_m;
+  gridding.noise_sigma_m = report.answer.noise_sigma_m;
+  const auto grid = grid_survey(report.input, gridding);
+  if (!grid) return grid.error();
+  auto summary = write_dimension_maps(*grid, options.window_m, files, executor);
+  if (summary && !options.json) spdlog::info("{}", maps_line(*summary, files));
+  return summary;
+}
+
+Status make_plot(const DimensionOptions& options, const DimensionReport& report, const std::filesystem::path& file,
+                 Executor& executor) {
+  const auto plot = dimension_plot(std::filesystem::path(options.input).filename().string(), report, executor);
+  if (!plot) return plot.error();
+  return io::write_drawing(file, io::draw_loglog_plot(*plot));
+}
+
 Result<int> run_dimension(DimensionOptions options) {
   if (Status status = complete(options); !status) return status.error();
+  const auto outputs = check_outputs(options);
+  if (!outputs) return outputs.error();
   const auto input = read_survey(options.input, options.reading);
   if (!input) return input.error();
   SerialExecutor executor;
   const auto answer = find_dimension(*input, options.request, executor);
   if (!answer) return Error{answer.error().kind, options.input + ": " + answer.error().message};
-  const DimensionReport report{*input, options.request, *answer};
+  DimensionReport report{*input, options.request, *answer, {}};
+  const auto named = [&](const Error& error) { return Error{error.kind, options.input + ": " + error.message}; };
+  if (outputs->maps) {
+    auto maps = make_maps(options, report, *outputs->maps, executor);
+    if (!maps) return named(maps.error());
+    report.maps = *maps;
+  }
+  if (outputs->plot)
+    if (Status status = make_plot(options, report, *outputs->plot, executor); !status) return named(status.error());
   if (Status status = print(options.json ? dimension_json(report) : dimension_line(report)); !status)
     return status.error();
   return 0;
+}
+
+void add_output_options(CLI::App& command, DimensionOptions& options) {
+  command.add_option("--window-m", options.window_m, "Maps of D in windows this wide around every cell")
+      ->type_name("W");
+  command.add_option("--out", options.out, "Where the maps go: BASE.dimension.EXT and others; tif, npy or png")
+      ->type_name("BASE.EXT");
+  command.add_option("--cell-m", options.cell_m, "Cells of maps of scattered points; default their mean spacing")
+      ->type_name("M");
+  command.add_option("--plot", options.plot, "Log-log plot of height change against distance")->type_name("FILE.png");
+  command.add_flag("--json", options.json, "Print one JSON document");
 }
 
 void add_input_options(CLI::App& command, SurveyReading& reading) {
@@ -98,7 +185,7 @@ Command add_dimension(CLI::App& app) {
       ->type_name("polyline|least-squares");
   add_input_options(*command, options->reading);
   add_seed(*command, [options](std::uint64_t seed) { options->reading.seed = options->request.seed = seed; });
-  command->add_flag("--json", options->json, "Print one JSON document");
+  add_output_options(*command, *options);
   return {command, [options] { return run_dimension(*options); }};
 }
 

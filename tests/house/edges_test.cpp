@@ -43,6 +43,7 @@ const std::map<std::string, Rule> kAdapters{
     {"io/raster.cpp", {{}, {"gdal", "cpl_", "ogr_"}}},
     {"io/point_cloud.cpp", {{}, {"pcl/"}}},
     {"io/picture.cpp", {{}, {"opencv2/"}}},
+    {"io/drawing.cpp", {{}, {"opencv2/"}}},
     {"fractal/fourier.cpp", {{}, {"unsupported/Eigen/FFT"}}},
     {"drivers/terrain_load.cpp", {{"fractal"}, {}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
