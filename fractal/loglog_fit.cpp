@@ -18,17 +18,22 @@ double residual(const LogLogPoint& p, double slope, double intercept) {
 }
 
 /// Least squares through points [first, last].
-Line least_squares(const std::vector<LogLogPoint>& points, int first, int last) {
-  double mean_x = 0.0, mean_y = 0.0, sxx = 0.0, sxy = 0.0;
-  const int count = last - first + 1;
+template <class Weight>
+Line weighted_line(const std::vector<LogLogPoint>& points, int first, int last, const Weight& weight) {
+  double total = 0.0, mean_x = 0.0, mean_y = 0.0, sxx = 0.0, sxy = 0.0;
   for (int i = first; i <= last; ++i) {
-    mean_x += points[static_cast<std::size_t>(i)].log_lag / count;
-    mean_y += points[static_cast<std::size_t>(i)].log_change / count;
+    const auto& p = points[static_cast<std::size_t>(i)];
+    total += weight(p);
+    mean_x += weight(p) * p.log_lag;
+    mean_y += weight(p) * p.log_change;
   }
+  mean_x /= total;
+  mean_y /= total;
   for (int i = first; i <= last; ++i) {
-    const double x = points[static_cast<std::size_t>(i)].log_lag - mean_x;
-    sxx += x * x;
-    sxy += x * (points[static_cast<std::size_t>(i)].log_change - mean_y);
+    const auto& p = points[static_cast<std::size_t>(i)];
+    const double x = p.log_lag - mean_x;
+    sxx += weight(p) * x * x;
+    sxy += weight(p) * x * (p.log_change - mean_y);
   }
   Line line;
   line.slope = sxy / sxx;
@@ -37,6 +42,10 @@ Line least_squares(const std::vector<LogLogPoint>& points, int first, int last) 
     line.largest_residual = std::max(
         line.largest_residual, std::abs(residual(points[static_cast<std::size_t>(i)], line.slope, line.intercept)));
   return line;
+}
+
+Line least_squares(const std::vector<LogLogPoint>& points, int first, int last) {
+  return weighted_line(points, first, last, [](const LogLogPoint&) { return 1.0; });
 }
 
 /// Convex chain of points [first, last]: the upper one for sign +1, the lower one for −1.
@@ -92,8 +101,13 @@ LogLogSegment longest_run(const std::vector<LogLogPoint>& points, int first, dou
   return {first, last, line.slope, line.intercept, line.largest_residual};
 }
 
-LogLogDimension described(const std::vector<LogLogPoint>& points, const LogLogSegment& segment, Moment moment) {
-  const Line line = least_squares(points, segment.first, segment.last);
+LogLogDimension described(const std::vector<LogLogPoint>& points, const LogLogSegment& segment, Moment moment,
+                          LineWeights weights) {
+  // Relative to the first distance: no weight vanishes or grows without bound.
+  const double origin = points[static_cast<std::size_t>(segment.first)].log_lag;
+  const double power = weights == LineWeights::inverse_square ? -2.0 : 0.0;
+  const Line line = weighted_line(points, segment.first, segment.last,
+                                  [&](const LogLogPoint& p) { return std::exp(power * (p.log_lag - origin)); });
   LogLogDimension result;
   result.dimension = 3.0 - line.slope;
   // E|z| = σ·√(2/π) for Gaussian differences
@@ -134,7 +148,7 @@ std::vector<LogLogSegment> linear_segments(const std::vector<LogLogPoint>& point
 }
 
 Result<LogLogDimension> log_log_dimension(const std::vector<LogLogPoint>& points, Moment moment,
-                                          Segmentation segmentation, double tolerance) {
+                                          Segmentation segmentation, double tolerance, LineWeights weights) {
   std::vector<LogLogSegment> segments;
   if (segmentation == Segmentation::polyline) {
     segments = linear_segments(points, segmentation, tolerance);
@@ -146,7 +160,7 @@ Result<LogLogDimension> log_log_dimension(const std::vector<LogLogPoint>& points
   }
   for (const LogLogSegment& segment : segments) {
     if (segment.last - segment.first < 2) continue;
-    LogLogDimension result = described(points, segment, moment);
+    LogLogDimension result = described(points, segment, moment, weights);
     result.segments = std::move(segments);
     return result;
   }

@@ -42,8 +42,14 @@ struct LogLogSegment {
 std::vector<LogLogSegment> linear_segments(const std::vector<LogLogPoint>& points, Segmentation segmentation,
                                            double tolerance);
 
+/// How annuli count in the line through the part that was found.
+enum class LineWeights {
+  equal,           ///< the paper's
+  inverse_square,  ///< 1/distance²: as many independent patches of ground there are; for geometric annuli
+};
+
 struct LogLogDimension {
-  double dimension = 0.0;    ///< 3 − slope of the first linear part (unweighted least squares); not clipped to [2, 3]
+  double dimension = 0.0;    ///< 3 − slope of the first linear part (least squares); not clipped to [2, 3]
   double amplitude_m = 0.0;  ///< rms change at 1 m that the line gives; Gaussian heights assumed for the first moment
   double lag_min_m = 0.0;    ///< the range of scales of that part: mean distances of its first and last annulus
   double lag_max_m = 0.0;
@@ -54,6 +60,7 @@ struct LogLogDimension {
 /// Parts of fewer than 3 points have no line worth the name and are passed over; the least-squares segmentation starts
 /// again behind them. Errors: bad_data (no part of at least 3 points).
 Result<LogLogDimension> log_log_dimension(const std::vector<LogLogPoint>& points, Moment moment,
-                                          Segmentation segmentation, double tolerance = 0.05);
+                                          Segmentation segmentation, double tolerance = 0.05,
+                                          LineWeights weights = LineWeights::equal);
 
 }  // namespace scree::fractal

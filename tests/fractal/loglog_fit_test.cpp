@@ -96,6 +96,26 @@ TEST(LogLogFit, LeastSquaresPassesOverAFaultyStart) {
   EXPECT_EQ(found->segments[0].first, 1);
 }
 
+// Normal equations written out: weights 1/d² are e^(−2·log_lag).
+TEST(LogLogFit, WeightsMoveTheLineTowardsShortDistances) {
+  const auto points = broken_line();
+  double s = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  for (const auto& p : points) {
+    const double w = std::exp(-2.0 * p.log_lag);
+    s += w, sx += w * p.log_lag, sy += w * p.log_change, sxx += w * p.log_lag * p.log_lag,
+        sxy += w * p.log_lag * p.log_change;
+  }
+  const double slope = (s * sxy - sx * sy) / (s * sxx - sx * sx);
+  constexpr double kAnything = 10.0;
+  const auto weighted =
+      log_log_dimension(points, Moment::second, Segmentation::least_squares, kAnything, LineWeights::inverse_square);
+  ASSERT_TRUE(weighted);
+  EXPECT_EQ(weighted->points, 24);
+  EXPECT_NEAR(weighted->dimension, 3.0 - slope, 1e-12);
+  const auto equal = log_log_dimension(points, Moment::second, Segmentation::least_squares, kAnything);
+  EXPECT_LT(std::abs(weighted->dimension - 2.3), std::abs(equal->dimension - 2.3));
+}
+
 TEST(LogLogFit, SaysWhenNothingIsStraight) {
   std::vector<LogLogPoint> zigzag;
   for (int i = 0; i < 10; ++i) zigzag.push_back({0.1 * i, i % 2 == 0 ? 0.0 : 1.0, 100.0});
