@@ -1,15 +1,15 @@
 #include "node/dimension_methods.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fractal/vecchia.hpp"
 
 namespace scree::node {
 namespace {
 
-using fractal::DimensionEstimate;
 using fractal::Moment;
+using fractal::ScaleLaw;
 using fractal::SurveyPoints;
 
 SurveyPoints points_of(const SurveyInput& input, const DimensionRequest& request) {
@@ -22,23 +22,71 @@ SurveyPoints points_of(const SurveyInput& input, const DimensionRequest& request
           .noise_unknown = request.noise_auto};
 }
 
-/// Neighbours up to the coarse look's spacing carry nearly all that the likelihood knows of D.
+/// The survey for what needs a number: with the noise that the likelihood has found.
+SurveyPoints with_noise(SurveyPoints survey, const DimensionAnswer& answer) {
+  if (survey.noise_unknown) survey.noise_sigma_m = answer.estimate.noise_sigma_m;
+  survey.noise_unknown = false;
+  return survey;
+}
+
+Error no_noise_estimate(const std::string& found) {
+  return {ErrorKind::usage,
+          "--noise-sigma-m auto: expected a survey for the likelihood (--method auto or vecchia, "
+          "horizontal noise below .3 mean spacings), found " +
+              found};
+}
+
+/// The lags of the estimate, or the neighbourhood that the likelihood looks at, or the scales where the law holds.
+fractal::Interval scales_of(const DimensionAnswer& answer) {
+  const auto& estimate = answer.estimate;
+  if (answer.scales) return {answer.scales->best().lag_min_m, answer.scales->best().lag_max_m};
+  if (std::isfinite(estimate.lag_min_m)) return {estimate.lag_min_m, estimate.lag_max_m};
+  return {estimate.spacing_m, estimate.spacing_m * std::sqrt(static_cast<double>(estimate.points)) / 4.0};
+}
+
+void look_at_scales(const SurveyPoints& survey, const DimensionRequest& request, Executor& executor,
+                    DimensionAnswer& answer) {
+  auto scales = fractal::analyse_scales(with_noise(survey, answer), {request.max_lag_m, request.seed}, executor);
+  if (!scales) return;  // too few points for more than one law
+  const ScaleLaw law = scales->best().law;
+  if (law == ScaleLaw::two_scales) answer.flags.emplace_back("crossover");
+  if (law == ScaleLaw::plateau) answer.flags.emplace_back("plateau");
+  if (law == ScaleLaw::power_and_noise) answer.flags.emplace_back("excess_noise");
+  answer.scales = *std::move(scales);
+}
+
+Result<DimensionAnswer> by_structure(const SurveyPoints& survey, const DimensionRequest& request, Executor& executor) {
+  if (request.noise_auto) return no_noise_estimate("the structure function");
+  auto estimate = fractal::estimate_dimension_structure(survey, {request.max_lag_m, request.seed}, executor);
+  if (!estimate) return estimate.error();
+  DimensionAnswer answer;
+  answer.estimate = *std::move(estimate);
+  return answer;
+}
+
 Result<DimensionAnswer> by_vecchia(const SurveyPoints& survey) {
   auto estimate = fractal::estimate_dimension_vecchia(survey);
   if (!estimate) return estimate.error();
   DimensionAnswer answer;
   answer.estimate = *std::move(estimate);
-  answer.noise_sigma_m = answer.estimate.noise_sigma_m;
-  answer.scale_range_m = {answer.estimate.spacing_m,
-                          std::max(answer.estimate.spacing_m, 2.0 * answer.estimate.coarse_spacing_m)};
+  return answer;
+}
+
+Result<DimensionAnswer> by_choice(const SurveyPoints& survey, const DimensionRequest& request, Executor& executor) {
+  auto answer = by_vecchia(survey);
+  if (!answer) return answer.error();
+  if (answer->estimate.flags & fractal::kHorizontalNoise) return by_structure(survey, request, executor);
+  const fractal::StructureDimensionOptions options{request.max_lag_m, request.seed};
+  auto check = fractal::estimate_dimension_structure(with_noise(survey, *answer), options, executor);
+  if (!check) return answer;  // too few points for a structure function
+  answer->agreement = fractal::compare_estimates(answer->estimate, *check);
+  if (answer->agreement.comparable && !answer->agreement.agree) answer->flags.emplace_back("methods_disagree");
+  answer->check = *std::move(check);
   return answer;
 }
 
 Result<DimensionAnswer> by_moment(const SurveyInput& input, const DimensionRequest& request, Executor& executor) {
-  if (request.noise_auto)
-    return Error{ErrorKind::usage,
-                 "--noise-sigma-m auto: expected --method auto or vecchia beside it, found --method " + request.method +
-                     ", which takes no noise"};
+  if (request.noise_auto) return no_noise_estimate("--method " + request.method);
   fractal::MomentOptions options;
   options.moment = request.method == "yokoya" ? Moment::first_absolute : Moment::second;
   options.segmentation = request.segmentation;
@@ -64,6 +112,18 @@ Result<DimensionAnswer> by_moment(const SurveyInput& input, const DimensionReque
   return answer;
 }
 
+Result<DimensionAnswer> by_law(const SurveyInput& input, const DimensionRequest& request, Executor& executor) {
+  const SurveyPoints survey = points_of(input, request);
+  auto answer = request.method == "vecchia"              ? by_vecchia(survey)
+                : request.method == "structure-function" ? by_structure(survey, request, executor)
+                                                         : by_choice(survey, request, executor);
+  if (!answer) return answer.error();
+  answer->noise_sigma_m = answer->estimate.noise_sigma_m;
+  look_at_scales(survey, request, executor, *answer);
+  answer->scale_range_m = scales_of(*answer);
+  return answer;
+}
+
 /// Beside the estimator's flags what the input itself is suspected of.
 void add_flags(const SurveyInput& input, DimensionAnswer& answer) {
   std::vector<std::string> flags;
@@ -79,7 +139,7 @@ void add_flags(const SurveyInput& input, DimensionAnswer& answer) {
 }  // namespace
 
 std::vector<std::string> dimension_methods() {
-  return {"auto", "vecchia", "yokoya", "pentland"};
+  return {"auto", "vecchia", "structure-function", "yokoya", "pentland"};
 }
 
 bool sampled(const SurveyInput& input, const DimensionAnswer& answer) {
@@ -88,7 +148,7 @@ bool sampled(const SurveyInput& input, const DimensionAnswer& answer) {
 
 Result<DimensionAnswer> find_dimension(const SurveyInput& input, const DimensionRequest& request, Executor& executor) {
   const bool moment = request.method == "yokoya" || request.method == "pentland";
-  auto answer = moment ? by_moment(input, request, executor) : by_vecchia(points_of(input, request));
+  auto answer = moment ? by_moment(input, request, executor) : by_law(input, request, executor);
   if (!answer) return answer.error();
   add_flags(input, *answer);
   return answer;

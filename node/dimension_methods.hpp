@@ -9,6 +9,8 @@
 #include "core/executor.hpp"
 #include "core/result.hpp"
 #include "fractal/moment_dimension.hpp"
+#include "fractal/scale_laws.hpp"
+#include "fractal/structure_dimension.hpp"
 #include "node/survey_input.hpp"
 
 namespace scree::node {
@@ -26,10 +28,12 @@ struct DimensionRequest {
 struct DimensionAnswer {
   fractal::DimensionEstimate estimate;
   bool has_interval = true;
-  double noise_sigma_m = 0.0;                 ///< of a height: given or estimated, with what horizontal noise adds
-  fractal::Interval scale_range_m{0.0, 0.0};  ///< scales that D was estimated on
-  std::optional<fractal::DimensionEstimate> check;  ///< by the other method, where both apply
-  /// What the line was fitted to, for methods that fit one.
+  double noise_sigma_m = 0.0;  ///< of a height: given or estimated, with what horizontal noise adds on the slope
+  fractal::Interval scale_range_m{0.0, 0.0};        ///< scales that D is for
+  std::optional<fractal::ScaleAnalysis> scales;     ///< where the points are enough for it
+  std::optional<fractal::DimensionEstimate> check;  ///< auto: by the other method, where both apply
+  fractal::Agreement agreement;                     ///< with it
+  /// What the line was fitted to, for the methods that draw one.
   std::vector<fractal::LogLogPoint> plot_points;
   fractal::Moment plot_moment = fractal::Moment::second;
   std::vector<std::string> flags;  ///< of estimate and input, each once
@@ -40,8 +44,13 @@ std::vector<std::string> dimension_methods();
 /// The estimate rests on a part of the input.
 bool sampled(const SurveyInput& input, const DimensionAnswer& answer);
 
-/// auto: Vecchia's likelihood, which is as good as any up to horizontal noise of .3 mean spacings.
-/// Errors: those of the estimators.
+/// auto: Vecchia's likelihood, checked against the structure function; the structure function alone where horizontal
+/// noise reaches .3 mean spacings, for which the likelihood has no model. Flags beside those of the estimators:
+///   no_interval, noise_ignored, out_of_range   of yokoya and pentland
+///   methods_disagree   the two methods' intervals do not allow for the difference
+///   crossover, plateau, excess_noise   the structure function asks for more than one power law
+///   whole_metre_heights, sampled   of the input
+/// Errors: those of the estimators; usage where the noise is to be estimated by a method that cannot.
 Result<DimensionAnswer> find_dimension(const SurveyInput& input, const DimensionRequest& request, Executor& executor);
 
 }  // namespace scree::node

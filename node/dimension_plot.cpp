@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "fractal/moment_dimension.hpp"
+#include "node/length_text.hpp"
 
 namespace scree::node {
 namespace {
 
 using fractal::LogLogPoint;
 
-constexpr io::Colour kLaw{200, 60, 30}, kBand{248, 218, 205}, kNoisy{40, 90, 170};
+constexpr io::Colour kLaw{200, 60, 30}, kBand{248, 218, 205}, kNoisy{40, 90, 170}, kOther{120, 150, 60};
 
 /// Heights above the survey's least-squares plane.
 std::vector<double> above_plane(const SurveyInput& input) {
@@ -107,21 +108,49 @@ void add_law(const std::vector<double>& lags_m, const DimensionReport& report, i
     plot.bands.push_back(band_of(law, estimate.interval95, report.answer.scale_range_m.low, lags_m));
   plot.lines.push_back(line_of(law, lags_m));
   plot.lines.back().colour = kLaw;
-  plot.lines.back().label = fmt::format("D = {:.3f}, {:.3g} m at 1 m", estimate.dimension, estimate.amplitude_m);
-  if (!report.answer.has_interval || report.answer.noise_sigma_m == 0.0) return;
+  plot.lines.back().label = fmt::format("{}: D = {:.3f}, {} m at 1 m", estimate.method, estimate.dimension,
+                                        length_text(estimate.amplitude_m));
+  const bool one_law = !report.answer.scales || report.answer.scales->best().law == fractal::ScaleLaw::power;
+  const double least = law.at(lags_m.front());
+  if (!report.answer.has_interval || !one_law || report.answer.noise_sigma_m < 0.05 * least) return;
   Law noisy = law;
   noisy.noise_m = report.answer.noise_sigma_m;
   plot.lines.push_back(line_of(noisy, lags_m));
   plot.lines.back().colour = kNoisy;
   plot.lines.back().dashed = true;
-  plot.lines.back().label = fmt::format("with noise {:.3g} m", noisy.noise_m);
+  plot.lines.back().label = "with noise " + length_text(noisy.noise_m) + " m";
+}
+
+/// The other method's law, where the two disagree.
+void add_check(const DimensionAnswer& answer, const std::vector<double>& lags_m, io::LogLogPlot& plot) {
+  if (!answer.check || !answer.agreement.comparable || answer.agreement.agree) return;
+  plot.lines.push_back(line_of({answer.check->dimension, answer.check->amplitude_m}, lags_m));
+  plot.lines.back().colour = kOther;
+  plot.lines.back().label = fmt::format("{}: D = {:.3f}", answer.check->method, answer.check->dimension);
+}
+
+/// What the structure function asks for instead of one power law.
+void add_scales(const fractal::ScaleAnalysis& scales, io::LogLogPlot& plot) {
+  const auto& best = scales.best();
+  if (best.law == fractal::ScaleLaw::power) return;
+  io::PlotLine line{{}, kNoisy, true, ""};
+  for (std::size_t i = 0; i < scales.points.size(); ++i)
+    line.points.push_back({std::exp(scales.points[i].log_lag), std::exp(scales.log_model[i])});
+  line.label = fmt::format("D = {:.3f}, ", best.dimension);
+  if (best.law == fractal::ScaleLaw::two_scales)
+    line.label += fmt::format("{:.3f} from {} m", best.coarse_dimension, length_text(best.crossover_m));
+  else if (best.law == fractal::ScaleLaw::plateau)
+    line.label += fmt::format("plateau from {} m", length_text(best.crossover_m));
+  else
+    line.label += fmt::format("noise {} m more", length_text(best.noise_sigma_m));
+  plot.lines.push_back(std::move(line));
 }
 
 }  // namespace
 
 Result<io::LogLogPlot> dimension_plot(const std::string& name, const DimensionReport& report, Executor& executor) {
   const DimensionAnswer& answer = report.answer;
-  std::vector<LogLogPoint> points = answer.plot_points;
+  std::vector<LogLogPoint> points = answer.scales ? answer.scales->points : answer.plot_points;
   if (points.empty()) {
     auto level = level_points(report, executor);
     if (!level) return level.error();
@@ -135,9 +164,11 @@ Result<io::LogLogPlot> dimension_plot(const std::string& name, const DimensionRe
   plot.x_label = "distance / m";
   plot.y_label = mean ? "mean |height change| / m" : "rms height change / m";
   const auto& range = answer.scale_range_m;
-  plot.spans.push_back({range.low, range.high, fmt::format("scales: {:.3g} ... {:.3g} m", range.low, range.high)});
+  plot.spans.push_back({range.low, range.high, "scales: " + range_text(range.low, range.high)});
   add_marks(points, report, plot);
   add_law(distances(points), report, plot);
+  add_check(answer, distances(points), plot);
+  if (answer.scales) add_scales(*answer.scales, plot);
   return plot;
 }
 

@@ -1,55 +1,18 @@
 #include "node/dimension_report.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-#include <string_view>
+#include <fmt/ranges.h>
+#include <numbers>
+
+#include "node/length_text.hpp"
 
 namespace scree::node {
 namespace {
 
 using fractal::DimensionEstimate;
-using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
-Json interval(const DimensionAnswer& answer) {
-  if (!answer.has_interval) return {};
-  return Json::array({answer.estimate.interval95.low, answer.estimate.interval95.high});
-}
-
-Json counts(const SurveyFrames& frames) {
-  const PixelCounts& c = frames.counts;
-  return {{"frames", frames.frames},
-          {"frames_skipped", frames.skipped_frames},
-          {"pixels", c.pixels},
-          {"no_return", c.no_return},
-          {"untrusted_row", c.untrusted_row},
-          {"out_of_limits", c.out_of_limits},
-          {"self", c.self},
-          {"speckle", c.speckle},
-          {"mixed", c.mixed},
-          {"ambiguous", c.ambiguous},
-          {"sensor_noise_sigma_m", frames.noise_sigma_m},
-          {"sensor_noise_xy_sigma_m", frames.noise_xy_sigma_m}};
-}
-
-Json maps(const MapsSummary& summary) {
-  return {{"cell_m", summary.cell_m},
-          {"window_cells", summary.window_cells},
-          {"rows", summary.rows},
-          {"columns", summary.columns},
-          {"known_cells", summary.known_cells},
-          {"dimension_cells", summary.dimension_cells},
-          {"median_dimension", number(summary.median_dimension)},
-          {"too_little_data", summary.too_little_data},
-          {"noise_limited", summary.noise_limited},
-          {"not_fractal", summary.not_fractal}};
-}
+using fractal::ScaleLaw;
 
 std::string interval_text(const DimensionAnswer& answer) {
   const DimensionEstimate& estimate = answer.estimate;
@@ -62,82 +25,82 @@ std::string interval_text(const DimensionAnswer& answer) {
 }
 
 std::string noise_text(const DimensionReport& report) {
-  const SurveyInput& input = report.input;
   const DimensionRequest& request = report.request;
-  const DimensionAnswer& answer = report.answer;
-  if (!answer.has_interval) return "noise and tilt not taken off";
+  if (!report.answer.has_interval) return "noise and tilt not taken off";
   std::string text = fmt::format("noise {:g} m", request.noise_sigma_m);
-  if (request.noise_auto) {
-    text = fmt::format("noise {:.3g} m estimated", answer.estimate.noise_sigma_m);
-  } else if (request.noise_sigma_m == 0.0 && request.noise_xy_sigma_m == 0.0) {
+  if (request.noise_auto)
+    text = "noise " + length_text(report.answer.estimate.noise_sigma_m) + " m estimated";
+  else if (request.noise_sigma_m == 0.0 && request.noise_xy_sigma_m == 0.0)
     text += " assumed (--noise-sigma-m)";
-    if (input.frames)
-      text = fmt::format("noise 0 m assumed (the sensor's: --noise-sigma-m {:.2g})", input.frames->noise_sigma_m);
-  }
   if (request.noise_xy_sigma_m > 0.0)
-    text +=
-        fmt::format(" and {:g} m horizontal: {:.3g} m in all", request.noise_xy_sigma_m, answer.estimate.noise_sigma_m);
+    text += fmt::format(" and {:g} m horizontal: {} m in all", request.noise_xy_sigma_m,
+                        length_text(report.answer.noise_sigma_m));
   return text;
 }
 
-/// Flags that the rest of the line has said already.
-bool said(const std::string& flag) {
-  constexpr std::array<std::string_view, 5> kSaid{"scale_dependent", "open_below", "open_above", "sampled",
-                                                  "no_interval"};
-  return std::find(kSaid.begin(), kSaid.end(), flag) != kSaid.end();
+std::string scales_remark(const fractal::ScaleLawFit& best) {
+  const std::string fine =
+      fmt::format("D = {:.3f} ({:.3f} to {:.3f})", best.dimension, best.interval95.low, best.interval95.high);
+  if (best.law == ScaleLaw::two_scales)
+    return fmt::format("crossover: two power laws, {} below and D = {:.3f} above {} m", fine, best.coarse_dimension,
+                       length_text(best.crossover_m));
+  if (best.law == ScaleLaw::plateau)
+    return fmt::format("plateau: {} for short distances, and no growth far beyond {} m", fine,
+                       length_text(best.crossover_m));
+  return fmt::format("excess_noise: heights vary by {} m more than the noise given says; {} above that",
+                     length_text(best.noise_sigma_m), fine);
+}
+
+std::string anisotropy_text(const fractal::Anisotropy& found) {
+  if (!found.significant) return fmt::format("isotropic (p = {:.2g})", found.p_value);
+  return fmt::format("roughest along {:.0f} deg from +x, stretched {:.2f} times across (p = {:.2g})",
+                     found.direction_rad * 180.0 / std::numbers::pi, found.strength, found.p_value);
 }
 
 }  // namespace
 
-std::string dimension_json(const DimensionReport& report) {
-  const SurveyInput& input = report.input;
-  const DimensionRequest& request = report.request;
-  const DimensionAnswer& answer = report.answer;
-  const DimensionEstimate& estimate = answer.estimate;
-  Json json{
-      {"dimension", number(estimate.dimension)},
-      {"interval95", interval(answer)},
-      {"sigma", number(estimate.sigma)},
-      {"amplitude_m", number(estimate.amplitude_m)},
-      {"method", estimate.method},
-      {"points", estimate.points},
-      {"scale_range_m", {answer.scale_range_m.low, answer.scale_range_m.high}},
-      {"flags", answer.flags},
-      {"points_found", input.found},
-      {"points_skipped", input.skipped},
-      {"duplicates", estimate.duplicates},
-      {"spacing_m", estimate.spacing_m},
-      {"coarse_dimension", number(estimate.coarse_dimension)},
-      {"coarse_spacing_m", estimate.coarse_spacing_m},
-      {"noise_sigma_m", request.noise_auto ? estimate.noise_sigma_m : request.noise_sigma_m},
-      {"noise_estimated", estimate.noise_estimated},
-      {"noise_xy_sigma_m", request.noise_xy_sigma_m},
-      {"effective_noise_sigma_m", estimate.noise_sigma_m},
-      {"relative_noise", number(estimate.relative_noise)},
-  };
-  if (input.frames) json["recording"] = counts(*input.frames);
-  if (report.maps) json["maps"] = maps(*report.maps);
-  return json.dump(2) + "\n";
+std::vector<std::string> all_flags(const DimensionReport& report) {
+  std::vector<std::string> flags = report.answer.flags;
+  if (report.anisotropy && report.anisotropy->significant) flags.emplace_back("anisotropic");
+  return flags;
 }
 
 std::string dimension_line(const DimensionReport& report) {
-  const SurveyInput& input = report.input;
   const DimensionAnswer& answer = report.answer;
   const DimensionEstimate& estimate = answer.estimate;
   std::string line = std::isfinite(estimate.dimension)
                          ? fmt::format("D = {:.3f} ({}), amplitude {:.4g} m at 1 m", estimate.dimension,
                                        interval_text(answer), estimate.amplitude_m)
                          : fmt::format("D unknown ({}): the noise hides the ground", interval_text(answer));
-  line += fmt::format("; {}, {} {}", estimate.method, estimate.points, input.cells() ? "cells" : "points");
-  if (sampled(input, answer)) line += fmt::format(" chosen at random of {}", input.found);
-  line += fmt::format(", {:.3g} to {:.3g} m", answer.scale_range_m.low, answer.scale_range_m.high);
-  line += ", " + noise_text(report);
-  if (estimate.flags & fractal::kScaleDependent)
-    line += fmt::format("; not one law: D = {:.3f} at {:.3g} m spacing, {:.3f} at {:.3g} m", estimate.dimension,
-                        estimate.spacing_m, estimate.coarse_dimension, estimate.coarse_spacing_m);
-  for (const auto& flag : answer.flags)
-    if (!said(flag)) line += "; " + flag;
+  line += fmt::format("; {}, {} {}", estimate.method, estimate.points, report.input.cells() ? "cells" : "points");
+  if (sampled(report.input, answer)) line += fmt::format(" of {}", report.input.found);
+  line += ", " + range_text(answer.scale_range_m.low, answer.scale_range_m.high) + ", " + noise_text(report);
+  if (report.anisotropy) line += "; " + anisotropy_text(*report.anisotropy);
+  const auto flags = all_flags(report);
+  if (!flags.empty()) line += fmt::format("; flags: {}", fmt::join(flags, ", "));
   return line + "\n";
+}
+
+std::vector<std::string> dimension_remarks(const DimensionReport& report) {
+  const DimensionAnswer& answer = report.answer;
+  const DimensionEstimate& estimate = answer.estimate;
+  std::vector<std::string> remarks;
+  if (estimate.flags & fractal::kScaleDependent)
+    remarks.push_back(fmt::format("scale_dependent: D = {:.3f} at {} m spacing, {:.3f} at {} m", estimate.dimension,
+                                  length_text(estimate.spacing_m), estimate.coarse_dimension,
+                                  length_text(estimate.coarse_spacing_m)));
+  if (answer.check && answer.agreement.comparable && !answer.agreement.agree)
+    remarks.push_back(fmt::format("methods_disagree: the {} has D = {:.3f} ({:.3f} to {:.3f})", answer.check->method,
+                                  answer.check->dimension, answer.check->interval95.low,
+                                  answer.check->interval95.high));
+  if (answer.scales && answer.scales->best().law != ScaleLaw::power)
+    remarks.push_back(scales_remark(answer.scales->best()));
+  if (std::find(answer.flags.begin(), answer.flags.end(), "whole_metre_heights") != answer.flags.end())
+    remarks.emplace_back("whole_metre_heights: rounding is a noise of 0.29 m (--noise-sigma-m)");
+  if (report.input.frames && report.request.noise_sigma_m == 0.0 && !report.request.noise_auto)
+    remarks.push_back(fmt::format("noise: the sensor's own model says --noise-sigma-m {:.2g} --noise-xy-sigma-m {:.2g}",
+                                  report.input.frames->noise_sigma_m, report.input.frames->noise_xy_sigma_m));
+  return remarks;
 }
 
 }  // namespace scree::node

@@ -13,6 +13,8 @@
 #include <utility>
 
 #include "core/executor.hpp"
+#include "fractal/anisotropy.hpp"
+#include "io/drawing.hpp"
 #include "node/commands/command_line.hpp"
 #include "node/dimension_maps.hpp"
 #include "node/dimension_methods.hpp"
@@ -33,7 +35,7 @@ struct DimensionOptions {
   std::string segment = "least-squares";
   double window_m = 0.0, cell_m = 0.0;  // 0 = not given
   std::string out, plot;
-  bool json = false;
+  bool anisotropy = false, json = false;
 };
 
 /// Files to write, checked before the work.
@@ -76,8 +78,8 @@ Status check_map_options(const DimensionOptions& options) {
     return Error{ErrorKind::usage,
                  fmt::format("{0}: expected {1} beside it (maps need both), found none",
                              window ? "--window-m" : "--out", window ? "--out BASE.EXT" : "--window-m W")};
-  if (options.cell_m != 0.0 && !window)
-    return Error{ErrorKind::usage, "--cell-m: expected --window-m and --out beside it, found none"};
+  if (options.cell_m != 0.0 && !window && !options.anisotropy)
+    return Error{ErrorKind::usage, "--cell-m: expected --anisotropy or --window-m and --out beside it, found neither"};
   const std::array<std::pair<const char*, double>, 2> lengths{
       {{"--window-m", options.window_m}, {"--cell-m", options.cell_m}}};
   for (const auto& [name, value] : lengths)
@@ -101,17 +103,27 @@ Result<Outputs> check_outputs(const DimensionOptions& options) {
   return outputs;
 }
 
-Result<MapsSummary> make_maps(const DimensionOptions& options, const DimensionReport& report, const LayerFiles& files,
-                              Executor& executor) {
+/// What is computed cell by cell.
+Status look_at_cells(const DimensionOptions& options, const Outputs& outputs, Executor& executor,
+                     DimensionReport& report) {
+  if (!outputs.maps && !options.anisotropy) return {};
   GriddingOptions gridding;
   gridding.cell_m = options.cell_m;
   gridding.spacing_m = report.answer.estimate.spacing_m;
   gridding.noise_sigma_m = report.answer.noise_sigma_m;
   const auto grid = grid_survey(report.input, gridding);
   if (!grid) return grid.error();
-  auto summary = write_dimension_maps(*grid, options.window_m, files, executor);
-  if (summary && !options.json) spdlog::info("{}", maps_line(*summary, files));
-  return summary;
+  if (options.anisotropy) {
+    auto found = fractal::analyse_anisotropy(grid->height_m, grid->cell_m, grid->variance_m2, grid->hits, executor);
+    if (!found) return found.error();
+    report.anisotropy = *found;
+  }
+  if (!outputs.maps) return {};
+  auto summary = write_dimension_maps(*grid, options.window_m, *outputs.maps, executor);
+  if (!summary) return summary.error();
+  report.maps = *summary;
+  if (!options.json) spdlog::info("{}", maps_line(*summary, *outputs.maps));
+  return {};
 }
 
 Status make_plot(const DimensionOptions& options, const DimensionReport& report, const std::filesystem::path& file,
@@ -130,15 +142,13 @@ Result<int> run_dimension(DimensionOptions options) {
   SerialExecutor executor;
   const auto answer = find_dimension(*input, options.request, executor);
   if (!answer) return Error{answer.error().kind, options.input + ": " + answer.error().message};
-  DimensionReport report{*input, options.request, *answer, {}};
+  DimensionReport report{*input, options.request, *answer, {}, {}};
   const auto named = [&](const Error& error) { return Error{error.kind, options.input + ": " + error.message}; };
-  if (outputs->maps) {
-    auto maps = make_maps(options, report, *outputs->maps, executor);
-    if (!maps) return named(maps.error());
-    report.maps = *maps;
-  }
+  if (Status status = look_at_cells(options, *outputs, executor, report); !status) return named(status.error());
   if (outputs->plot)
     if (Status status = make_plot(options, report, *outputs->plot, executor); !status) return named(status.error());
+  if (!options.json)
+    for (const std::string& remark : dimension_remarks(report)) spdlog::warn("{}", remark);
   if (Status status = print(options.json ? dimension_json(report) : dimension_line(report)); !status)
     return status.error();
   return 0;
@@ -149,7 +159,9 @@ void add_output_options(CLI::App& command, DimensionOptions& options) {
       ->type_name("W");
   command.add_option("--out", options.out, "Where the maps go: BASE.dimension.EXT and others; tif, npy or png")
       ->type_name("BASE.EXT");
-  command.add_option("--cell-m", options.cell_m, "Cells of maps of scattered points; default their mean spacing")
+  command.add_flag("--anisotropy", options.anisotropy, "Test whether the ground is rougher in one direction");
+  command
+      .add_option("--cell-m", options.cell_m, "Cells that scattered points are averaged in; default their mean spacing")
       ->type_name("M");
   command.add_option("--plot", options.plot, "Log-log plot of height change against distance")->type_name("FILE.png");
   command.add_flag("--json", options.json, "Print one JSON document");

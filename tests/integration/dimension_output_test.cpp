@@ -112,7 +112,7 @@ TEST(DimensionOutput, WhatCannotBeWrittenIsSaidFirst) {
   };
   fails({"--out", npy}, 64, "expected --window-m W beside it");
   fails({"--window-m", "10"}, 64, "expected --out BASE.EXT beside it");
-  fails({"--cell-m", "1"}, 64, "expected --window-m and --out");
+  fails({"--cell-m", "1"}, 64, "expected --anisotropy or --window-m and --out");
   fails({"--window-m", "-3", "--out", npy}, 64, "--window-m: expected metres above 0");
   fails({"--window-m", "10", "--out", (folder / "m.bmp").string()}, 64, "expected BASE.tif, BASE.npy or BASE.png");
   fails({"--window-m", "10", "--out", "/nowhere/m.npy"}, 73, "/nowhere/m.dimension.npy");
