@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "fractal/moment_interval.hpp"
 #include "fractal/vecchia_points.hpp"
 
 namespace scree::fractal {
@@ -88,6 +89,13 @@ DimensionEstimate describe(const LogLogDimension& fit, const VecchiaPoints& prep
   return out;
 }
 
+void set_interval(double sigma, DimensionEstimate& out) {
+  constexpr double kNormal95 = 1.96;
+  out.sigma = sigma;
+  out.interval95 = {out.dimension - kNormal95 * sigma, out.dimension + kNormal95 * sigma};
+  out.flags &= static_cast<std::uint16_t>(~(kOpenBelow | kOpenAbove));
+}
+
 }  // namespace
 
 Result<MomentDimension> estimate_dimension_moment(const SurveyPoints& survey, const MomentOptions& options,
@@ -115,6 +123,7 @@ Result<MomentDimension> estimate_dimension_moment(const SurveyPoints& survey, co
   out.fit = *std::move(fit);
   out.estimate = describe(out.fit, *prepared, options);
   if (out.route == PairRoute::lattice) out.estimate.points = known_cells(*options.lattice_m);
+  if (const auto sigma = moment_sigma(survey, out, options, executor)) set_interval(*sigma, out.estimate);
   return out;
 }
 

@@ -100,16 +100,29 @@ Result<DimensionAnswer> by_moment(const SurveyInput& input, const DimensionReque
   if (!found) return found.error();
   DimensionAnswer answer;
   answer.estimate = std::move(found->estimate);
-  answer.has_interval = false;
+  answer.has_interval = std::isfinite(answer.estimate.sigma);
+  answer.raw_heights = true;
   answer.noise_sigma_m = request.noise_sigma_m;
   answer.scale_range_m = {found->fit.lag_min_m, found->fit.lag_max_m};
   answer.plot_points = std::move(found->points);
   answer.plot_moment = options.moment;
-  answer.flags.emplace_back("no_interval");
-  const bool noise = request.noise_sigma_m > 0.0 || request.noise_xy_sigma_m > 0.0;
-  if (noise) answer.flags.emplace_back("noise_ignored");
+  answer.flags.emplace_back("raw_heights");
+  if (!answer.has_interval) answer.flags.emplace_back("no_interval");
   if (!(answer.estimate.dimension > 2.0 && answer.estimate.dimension < 3.0)) answer.flags.emplace_back("out_of_range");
   return answer;
+}
+
+/// What short distances say against longer ones: heights near each other that differ too little are interpolated or
+/// filtered, heights that differ too much are rounded or noisy.
+void judge_short_lags(DimensionAnswer& answer) {
+  const auto& estimate = answer.estimate;
+  const bool dependent = (estimate.flags & fractal::kScaleDependent) != 0;
+  const bool disagree = answer.check && answer.agreement.comparable && !answer.agreement.agree;
+  const bool excess = answer.scales && answer.scales->best().law == ScaleLaw::power_and_noise;
+  if ((dependent && estimate.dimension < estimate.coarse_dimension) || (disagree && answer.agreement.difference < 0.0))
+    answer.flags.emplace_back("smooth_short_lags");
+  if (excess || (dependent && estimate.dimension > estimate.coarse_dimension))
+    answer.flags.emplace_back("rough_short_lags");
 }
 
 Result<DimensionAnswer> by_law(const SurveyInput& input, const DimensionRequest& request, Executor& executor) {
@@ -121,6 +134,7 @@ Result<DimensionAnswer> by_law(const SurveyInput& input, const DimensionRequest&
   answer->noise_sigma_m = answer->estimate.noise_sigma_m;
   look_at_scales(survey, request, executor, *answer);
   answer->scale_range_m = scales_of(*answer);
+  judge_short_lags(*answer);
   return answer;
 }
 

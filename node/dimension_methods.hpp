@@ -28,6 +28,7 @@ struct DimensionRequest {
 struct DimensionAnswer {
   fractal::DimensionEstimate estimate;
   bool has_interval = true;
+  bool raw_heights = false;    ///< noise and tilt are in D and not in its interval
   double noise_sigma_m = 0.0;  ///< of a height: given or estimated, with what horizontal noise adds on the slope
   fractal::Interval scale_range_m{0.0, 0.0};        ///< scales that D is for
   std::optional<fractal::ScaleAnalysis> scales;     ///< where the points are enough for it
@@ -46,9 +47,11 @@ bool sampled(const SurveyInput& input, const DimensionAnswer& answer);
 
 /// auto: Vecchia's likelihood, checked against the structure function; the structure function alone where horizontal
 /// noise reaches .3 mean spacings, for which the likelihood has no model. Flags beside those of the estimators:
-///   no_interval, noise_ignored, out_of_range   of yokoya and pentland
+///   raw_heights, no_interval, out_of_range   of yokoya and pentland: noise and tilt are not taken off, too few points
+///     for an interval, D outside 2 ... 3
 ///   methods_disagree   the two methods' intervals do not allow for the difference
 ///   crossover, plateau, excess_noise   the structure function asks for more than one power law
+///   smooth_short_lags, rough_short_lags   D grows, falls with distance: interpolated, rounded or noisy data?
 ///   whole_metre_heights, sampled   of the input
 /// Errors: those of the estimators; usage where the noise is to be estimated by a method that cannot.
 Result<DimensionAnswer> find_dimension(const SurveyInput& input, const DimensionRequest& request, Executor& executor);

@@ -85,8 +85,14 @@ io::PlotBand band_of(const Law& law, const fractal::Interval& interval, double p
   return band;
 }
 
+/// Where the law's height is known best: among the shortest distances, or in the middle of an unweighted line.
+double pivot_of(const DimensionAnswer& answer) {
+  const auto& range = answer.scale_range_m;
+  return answer.raw_heights ? std::sqrt(range.low * range.high) : range.low;
+}
+
 void add_marks(const std::vector<LogLogPoint>& points, const DimensionReport& report, io::LogLogPlot& plot) {
-  const bool fitted = !report.answer.has_interval;
+  const bool fitted = report.answer.raw_heights;
   const auto& range = report.answer.scale_range_m;
   io::PlotMarks used{{}, true, fitted ? "fitted" : "measured, plane taken off"}, others{{}, false, ""};
   for (const LogLogPoint& p : points) {
@@ -105,14 +111,14 @@ void add_law(const std::vector<double>& lags_m, const DimensionReport& report, i
       report.answer.plot_moment == fractal::Moment::first_absolute ? std::sqrt(2.0 / std::numbers::pi) : 1.0;
   const Law law{estimate.dimension, estimate.amplitude_m, factor};
   if (report.answer.has_interval)
-    plot.bands.push_back(band_of(law, estimate.interval95, report.answer.scale_range_m.low, lags_m));
+    plot.bands.push_back(band_of(law, estimate.interval95, pivot_of(report.answer), lags_m));
   plot.lines.push_back(line_of(law, lags_m));
   plot.lines.back().colour = kLaw;
   plot.lines.back().label = fmt::format("{}: D = {:.3f}, {} m at 1 m", estimate.method, estimate.dimension,
                                         length_text(estimate.amplitude_m));
   const bool one_law = !report.answer.scales || report.answer.scales->best().law == fractal::ScaleLaw::power;
   const double least = law.at(lags_m.front());
-  if (!report.answer.has_interval || !one_law || report.answer.noise_sigma_m < 0.05 * least) return;
+  if (report.answer.raw_heights || !one_law || report.answer.noise_sigma_m < 0.05 * least) return;
   Law noisy = law;
   noisy.noise_m = report.answer.noise_sigma_m;
   plot.lines.push_back(line_of(noisy, lags_m));

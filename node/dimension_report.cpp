@@ -26,7 +26,7 @@ std::string interval_text(const DimensionAnswer& answer) {
 
 std::string noise_text(const DimensionReport& report) {
   const DimensionRequest& request = report.request;
-  if (!report.answer.has_interval) return "noise and tilt not taken off";
+  if (report.answer.raw_heights) return "noise and tilt not taken off";
   std::string text = fmt::format("noise {:g} m", request.noise_sigma_m);
   if (request.noise_auto)
     text = "noise " + length_text(report.answer.estimate.noise_sigma_m) + " m estimated";
@@ -95,7 +95,15 @@ std::vector<std::string> dimension_remarks(const DimensionReport& report) {
                                   answer.check->interval95.high));
   if (answer.scales && answer.scales->best().law != ScaleLaw::power)
     remarks.push_back(scales_remark(answer.scales->best()));
-  if (std::find(answer.flags.begin(), answer.flags.end(), "whole_metre_heights") != answer.flags.end())
+  const auto flagged = [&](const char* flag) {
+    return std::find(answer.flags.begin(), answer.flags.end(), flag) != answer.flags.end();
+  };
+  if (flagged("smooth_short_lags"))
+    remarks.emplace_back(
+        "smooth_short_lags: interpolated, filtered or coarser than its points? Then D is not the ground's");
+  if (flagged("rough_short_lags"))
+    remarks.emplace_back("rough_short_lags: rounded, noisier than said, or not a surface (plants, walls)?");
+  if (flagged("whole_metre_heights"))
     remarks.emplace_back("whole_metre_heights: rounding is a noise of 0.29 m (--noise-sigma-m)");
   if (report.input.frames && report.request.noise_sigma_m == 0.0 && !report.request.noise_auto)
     remarks.push_back(fmt::format("noise: the sensor's own model says --noise-sigma-m {:.2g} --noise-xy-sigma-m {:.2g}",

@@ -97,7 +97,7 @@ TEST(DimensionCommand, TextPointsWithKnownNoiseAreRecovered) {
 
 // The paper's moments on one fixed surface of 3600 cells: an error of .15 is more than 4 of their standard deviations
 // (docs/fractal.md: .04 at 10,000 points and lags to 25).
-TEST(DimensionCommand, MomentsOfTheLiteratureFollowTheSurfaceWithoutAnInterval) {
+TEST(DimensionCommand, MomentsOfTheLiteratureFollowTheSurface) {
   const TemporaryFolder folder;
   const auto surface = *fractal::fbm_surface({kDimension, kAmplitude}, 60, 60, kCell, 13);
   std::ostringstream text;
@@ -111,13 +111,15 @@ TEST(DimensionCommand, MomentsOfTheLiteratureFollowTheSurfaceWithoutAnInterval) 
       EXPECT_NEAR(json["dimension"].get<double>(), kDimension, 0.15);
       EXPECT_NEAR(json["amplitude_m"].get<double>() / kAmplitude, 1.0, 0.2);
       EXPECT_EQ(json["method"], method);
-      EXPECT_EQ(json["flags"].dump(), "[\"no_interval\"]");
+      EXPECT_EQ(json["flags"].dump(), "[\"raw_heights\"]");
+      EXPECT_LT(json["interval95"][0], json["dimension"]);
+      EXPECT_GT(json["interval95"][1], json["dimension"]);
       EXPECT_GE(json["scale_range_m"][0], 0.9 * kCell);
       EXPECT_LE(json["scale_range_m"][1], 6.0 * 1.1);
     }
-  const auto noisy = estimate({file, "--method", "yokoya", "--noise-sigma-m", "0.1"});
-  EXPECT_THAT(noisy["flags"].dump(), HasSubstr("noise_ignored"));
-  EXPECT_THAT(scree({"dimension", file, "--method", "pentland"}).out, HasSubstr("no interval"));
+  EXPECT_EQ(estimate({file, "--method", "yokoya", "--noise-sigma-m", "0.1"})["dimension"],
+            estimate({file, "--method", "yokoya"})["dimension"]);
+  EXPECT_THAT(scree({"dimension", file, "--method", "pentland"}).out, HasSubstr("noise and tilt not taken off"));
   const auto near = scree({"dimension", file, "--method", "pentland", "--max-lag-m", "0.3"});
   EXPECT_EQ(near.exit_code, 65);
   EXPECT_THAT(near.err, HasSubstr("longest lag: expected at least"));
