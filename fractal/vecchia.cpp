@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "fractal/vecchia_likelihood.hpp"
 #include "fractal/vecchia_points.hpp"
 #include "fractal/vecchia_search.hpp"
 

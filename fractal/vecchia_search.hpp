@@ -9,8 +9,6 @@
 
 namespace scree::fractal {
 
-inline constexpr double kMostTau = 3.0e4;  ///< beyond it the ground is invisible
-
 struct VecchiaOutcome {
   LaneProfile profile;
   HurstFit fit;
