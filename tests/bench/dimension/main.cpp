@@ -51,11 +51,12 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "dimension_accuracy: unknown section %s\n", std::string(name).c_str());
       return 64;
     }
-  print_text(
-      "# Accuracy and speed of the estimators of D\n\nWritten whole by `./dev bench-dimension`; what the estimators do "
-      "and "
-      "why stands in [fractal.md](fractal.md). Errors are errors of D, statistics are reproducible (fixed seeds, exact "
-      "surfaces unless said otherwise), each row stands beside its target: held, or missed by how much.\n");
+  print_text(R"(# Accuracy and speed of the estimators of D
+
+Written whole by `./dev bench-dimension`; what the estimators do and why stands in [fractal.md](fractal.md). Errors
+are errors of D, statistics are reproducible (fixed seeds, exact surfaces unless said otherwise), each row stands
+beside its target: held, or missed by how much.
+)");
   print_text(fmt::format("{}, {} cores, g++ {}{}.\n", processor(), std::thread::hardware_concurrency(), __VERSION__,
                          quick ? "; a tenth of the surfaces only" : ""));
   for (const Section& section : kSections) {

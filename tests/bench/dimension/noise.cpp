@@ -55,13 +55,13 @@ void table(std::size_t points, int count) {
 }  // namespace
 
 void noise_section() {
-  print_text(
-      "\n## Many scattered points with noise\n\nCells of 256 × 256 of exact surfaces, slope .5, noise .3 of the rms "
-      "change "
-      "over the mean spacing, known or estimated; 100 surfaces a case (standard error of an RMSE 7 %, of a coverage "
-      ".022). No targets; the bounds of the standard deviation are, for N = 3277, known: .036 .025 .020 .016 .012 "
-      ".008, "
-      "estimated: .043 .035 .033 .036 .045 .059.\n");
+  print_text(R"(
+## Many scattered points with noise
+
+Cells of 256 × 256 of exact surfaces, slope .5, noise .3 of the rms change over the mean spacing, known or estimated;
+100 surfaces a case (standard error of an RMSE 7 %, of a coverage .022). No targets; the bounds of the standard
+deviation are, for N = 3277, known: .036 .025 .020 .016 .012 .008, estimated: .043 .035 .033 .036 .045 .059.
+)");
   print_head("Vecchia", kDimensions);
   table(1000, 100);
   table(kPaperPoints, 100);

@@ -72,12 +72,13 @@ double dimension_by(const Way& way, const PointColumns& points) {
 }  // namespace
 
 void pairs_section() {
-  print_text(
-      "\n## Routes to the structure function: error of D\n\n10,000 random cells of 256 × 256 of 60 exact surfaces, "
-      "clean "
-      "and level, lags 1 … 25 mean spacings, one line through all annuli: bias, RMSE (standard error 9 %; the "
-      "differences "
-      "between rows are surer, the surfaces are the same). The lattice routes move points to cell centres.\n");
+  print_text(R"(
+## Routes to the structure function: error of D
+
+10,000 random cells of 256 × 256 of 60 exact surfaces, clean and level, lags 1 … 25 mean spacings, one line through
+all annuli: bias, RMSE (standard error 9 %; the differences between rows are surer, the surfaces are the same). The
+lattice routes move points to cell centres.
+)");
   print_head("", kDimensions);
   std::array<std::array<Errors, kWays.size()>, kDimensions.size()> errors;
   for (std::size_t c = 0; c < errors.size(); ++c) {

@@ -101,14 +101,13 @@ void print_papers_rows(const std::string& ground, const Columns& columns) {
 
 /// The noise drawn again and again on one surface, which is what Table 1 shows, against other surfaces.
 void print_redraws() {
-  print_text(
-      "\nStandard deviation of D (not in %) at 30, 25, 20 dB, successive random additions: 100 noises on one surface, "
-      "as "
-      "in the paper's table, and one noise each on 100 surfaces. A reproduction that redraws the noise alone would "
-      "claim "
-      "an accuracy that no survey of one piece of ground has.\n\n| | paper | lags | noise drawn again | other surfaces "
-      "| "
-      "ratio at 20 dB |\n|---|---|---|---|---|---|");
+  print_text(R"(
+Standard deviation of D (not in %) at 30, 25, 20 dB, successive random additions: 100 noises on one surface, as in the
+paper's table, and one noise each on 100 surfaces. A reproduction that redraws the noise alone would claim an accuracy
+that no survey of one piece of ground has.
+
+| | paper | lags | noise drawn again | other surfaces | ratio at 20 dB |
+|---|---|---|---|---|---|)");
   struct Case {
     double dimension;
     const char* paper;
@@ -163,12 +162,14 @@ void print_aware(const Columns& exact) {
 }  // namespace
 
 void paper_section() {
-  print_text(
-      "\n## Table 1 of [AK96]\n\n3277 random cells of 256 × 256, heights scaled to the standard deviation of x (73.9 "
-      "cells), normal noise in x, y and z at 30, 25 and 20 dB (2.3, 4.2, 7.4 cells), the paper's estimator: first "
-      "absolute moment, annuli of half-width ½, lags 10 … 60, one unweighted line. The paper does not say its lags; "
-      "with these its figures come back. 100 surfaces a case: mean error in % of D (standard deviation over surfaces, "
-      "worst); a mean's standard error is a tenth of the deviation.\n");
+  print_text(R"(
+## Table 1 of [AK96]
+
+3277 random cells of 256 × 256, heights scaled to the standard deviation of x (73.9 cells), normal noise in x, y and z
+at 30, 25 and 20 dB (2.3, 4.2, 7.4 cells), the paper's estimator: first absolute moment, annuli of half-width ½, lags
+10 … 60, one unweighted line. The paper does not say its lags; with these its figures come back. 100 surfaces a case:
+mean error in % of D (standard deviation over surfaces, worst); a mean's standard error is a tenth of the deviation.
+)");
   Columns refined, exact;
   for (std::size_t c = 0; c < kColumns; ++c) {
     refined[c] = judge(false, kDimensions[c]);
@@ -185,11 +186,10 @@ void paper_section() {
     if (std::abs(generator) < 3.0 * refined[c].papers[0].sd() / 10.0) return std::string("–");
     return fmt::format("{:.0f} %", 100.0 * std::clamp(1.0 - own / generator, 0.0, 1.0));
   });
-  print_text(
-      "\nThe share is 1 − (error on exact ground)/(error on the generator's), where the latter exceeds 3 standard "
-      "errors. "
-      "Most of the error at small D is the generator's: its surfaces are rougher than their nominal D says (see "
-      "docs/fractal.md, Generators).");
+  print_text(R"(
+The share is 1 − (error on exact ground)/(error on the generator's), where the latter exceeds 3 standard errors. Most
+of the error at small D is the generator's: its surfaces are rougher than their nominal D says (see docs/fractal.md,
+Generators).)");
   print_redraws();
   print_aware(exact);
 }

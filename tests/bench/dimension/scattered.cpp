@@ -94,13 +94,12 @@ Invariance invariances(double noise) {
 }  // namespace
 
 void scattered_section() {
-  print_text(
-      "## 3277 scattered points, clean\n\n3277 random cells of 256 × 256 cells of exact surfaces, 400 surfaces at D = "
-      "2.05, 600 elsewhere (standard error of an RMSE 3.5 and 2.9 %, of a coverage .011 and .009); slope .5 added; "
-      "unit "
-      "the mean spacing. The paper's estimator (first absolute moment, lags 1 … 128 cells, one unweighted line) on 60 "
-      "of "
-      "the same surfaces, level.\n");
+  print_text(R"(## 3277 scattered points, clean
+
+3277 random cells of 256 × 256 cells of exact surfaces, 400 surfaces at D = 2.05, 600 elsewhere (standard error of an
+RMSE 3.5 and 2.9 %, of a coverage .011 and .009); slope .5 added; unit the mean spacing. The paper's estimator (first
+absolute moment, lags 1 … 128 cells, one unweighted line) on 60 of the same surfaces, level.
+)");
   std::array<Column, kDimensions.size()> columns;
   for (std::size_t c = 0; c < columns.size(); ++c) columns[c] = judge(c);
   print_head("Vecchia", kDimensions);

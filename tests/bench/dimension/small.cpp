@@ -61,12 +61,13 @@ void table(std::size_t points, double noise, int count) {
 }  // namespace
 
 void small_section() {
-  print_text(
-      "\n## Few scattered points\n\nUniform places, new ones every 20 surfaces, slope .5 added, 1000 surfaces a case "
-      "(N = 100, which has targets: 4000; N = 1000: 200; standard error of an RMSE 2.2, 1.1, 5 %, of a coverage .007, "
-      ".0035, .015); noise 30 % of the rms "
-      "change "
-      "over the mean spacing.\n");
+  print_text(R"(
+## Few scattered points
+
+Uniform places, new ones every 20 surfaces, slope .5 added, 1000 surfaces a case (N = 100, which has targets: 4000; N
+= 1000: 200; standard error of an RMSE 2.2, 1.1, 5 %, of a coverage .007, .0035, .015); noise 30 % of the rms change
+over the mean spacing.
+)");
   print_head("Vecchia", kDimensions);
   for (const double noise : {0.0, 0.3}) {
     for (const std::size_t points : {50U, 100U, 200U}) table(points, noise, points == 100U ? 4000 : 1000);

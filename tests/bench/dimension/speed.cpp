@@ -14,9 +14,9 @@ namespace {
 using namespace fractal;
 
 void likelihood() {
-  print_text(
-      "\n| one D with interval, one core, all passes | clean | target 3 | noise .3 known | target 8 | noise estimated "
-      "| of which neighbours |\n|---|---|---|---|---|---|---|");
+  print_text(R"(
+| one D with interval, one core, all passes | clean | target 3 | noise .3 known | target 8 | noise estimated | of which neighbours |
+|---|---|---|---|---|---|---|)");
   for (const std::size_t count : {std::size_t{3277}, std::size_t{10000}, std::size_t{65536}}) {
     const Survey clean = scattered(count), noisy = scattered(count, 0.3);
     SurveyPoints unknown = noisy.points();
@@ -68,12 +68,12 @@ void map_of_cells() {
 }  // namespace
 
 void speed_section() {
-  print_text(
-      "\n## Speed\n\nThe naive loop (every pair, double, root and round, counters A, B, C) is compiled beside with the "
-      "same "
-      "flags. CPU time of the process, medians of up to 31 rounds; a second thread is judged by the wall, with turns "
-      "taken. "
-      "Ratios are what to trust. The paper's computer took 5500 s for 19,600 points.");
+  print_text(R"(
+## Speed
+
+The naive loop (every pair, double, root and round, counters A, B, C) is compiled beside with the same flags. CPU time
+of the process, medians of up to 31 rounds; a second thread is judged by the wall, with turns taken. Ratios are what
+to trust. The paper's computer took 5500 s for 19,600 points.)");
   for (const std::size_t count : {std::size_t{10000}, std::size_t{65536}})
     if (!quick || count == 10000) pair_speeds(count);
   likelihood();
