@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "io/drawing.hpp"
-#include "io/picture_layout.hpp"
+#include "io/log_axis.hpp"
 
 namespace scree::io {
 
@@ -48,16 +48,6 @@ struct LogLogPlot {
   std::vector<PlotLine> lines;
   std::vector<PlotMarks> marks;
 };
-
-/// Limits of an axis that holds [low, high] (> 0) with a margin.
-struct LogRange {
-  double low = 1.0, high = 10.0;
-  double share(double value) const;  ///< 0 at low, 1 at high
-};
-
-/// 1, 2 … 9 · 10^n within the range. Labels at the decades; at 2 and 5 too where fewer than three decades are in it,
-/// and at each of them where not even three of those are.
-std::vector<Tick> log_ticks(const LogRange& range);
 
 /// The range of all marks and, on y, of lines within a factor of 3 of them: curves are cut at the frame.
 LogRange x_range(const LogLogPlot& plot);

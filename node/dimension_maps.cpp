@@ -114,6 +114,10 @@ std::string maps_line(const MapsSummary& summary, const LayerFiles& files) {
   const auto share = [&](std::size_t cells) {
     return 100.0 * static_cast<double>(cells) / static_cast<double>(std::max<std::size_t>(summary.dimension_cells, 1));
   };
+  if (summary.dimension_cells == 0)
+    return fmt::format("{}: {} x {} cells of {:.4g} m, but no window of {} x {} holds enough neighbouring ones for a D",
+                       files.file("dimension").string(), summary.columns, summary.rows, summary.cell_m,
+                       summary.window_cells, summary.window_cells);
   return fmt::format(
       "{}: {} x {} cells of {:.4g} m, windows of {} x {}; D in {} cells, median {:.3f}; {:.1f} % of them "
       "noise_limited, "

@@ -1,6 +1,8 @@
 #include "node/dimension_methods.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "fractal/vecchia.hpp"
@@ -36,10 +38,17 @@ Error no_noise_estimate(const std::string& found) {
               found};
 }
 
-/// The lags of the estimate, or the neighbourhood that the likelihood looks at, or the scales where the law holds.
+/// Scales where the law holds among those that were looked at, NaN where noise hides it on all of them; without an
+/// analysis the lags of the estimate, or what the likelihood has seen: up to a quarter of the survey's side.
 fractal::Interval scales_of(const DimensionAnswer& answer) {
   const auto& estimate = answer.estimate;
-  if (answer.scales) return {answer.scales->best().lag_min_m, answer.scales->best().lag_max_m};
+  if (answer.scales) {
+    const auto& points = answer.scales->points;
+    const double low = std::max(answer.scales->best().lag_min_m, std::exp(points.front().log_lag));
+    const double high = std::min(answer.scales->best().lag_max_m, std::exp(points.back().log_lag));
+    if (high > low && std::isfinite(estimate.dimension)) return {low, high};
+    return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  }
   if (std::isfinite(estimate.lag_min_m)) return {estimate.lag_min_m, estimate.lag_max_m};
   return {estimate.spacing_m, estimate.spacing_m * std::sqrt(static_cast<double>(estimate.points)) / 4.0};
 }
@@ -47,7 +56,10 @@ fractal::Interval scales_of(const DimensionAnswer& answer) {
 void look_at_scales(const SurveyPoints& survey, const DimensionRequest& request, Executor& executor,
                     DimensionAnswer& answer) {
   auto scales = fractal::analyse_scales(with_noise(survey, answer), {request.max_lag_m, request.seed}, executor);
-  if (!scales) return;  // too few points for more than one law
+  if (!scales) {  // too few points for more than one law
+    answer.flags.emplace_back("scales_unknown");
+    return;
+  }
   const ScaleLaw law = scales->best().law;
   if (law == ScaleLaw::two_scales) answer.flags.emplace_back("crossover");
   if (law == ScaleLaw::plateau) answer.flags.emplace_back("plateau");

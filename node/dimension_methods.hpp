@@ -30,7 +30,7 @@ struct DimensionAnswer {
   bool has_interval = true;
   bool raw_heights = false;    ///< noise and tilt are in D and not in its interval
   double noise_sigma_m = 0.0;  ///< of a height: given or estimated, with what horizontal noise adds on the slope
-  fractal::Interval scale_range_m{0.0, 0.0};        ///< scales that D is for
+  fractal::Interval scale_range_m{0.0, 0.0};        ///< scales that D is for; NaN: hidden by noise
   std::optional<fractal::ScaleAnalysis> scales;     ///< where the points are enough for it
   std::optional<fractal::DimensionEstimate> check;  ///< auto: by the other method, where both apply
   fractal::Agreement agreement;                     ///< with it
@@ -52,6 +52,7 @@ bool sampled(const SurveyInput& input, const DimensionAnswer& answer);
 ///   methods_disagree   the two methods' intervals do not allow for the difference
 ///   crossover, plateau, excess_noise   the structure function asks for more than one power law
 ///   smooth_short_lags, rough_short_lags   D grows, falls with distance: interpolated, rounded or noisy data?
+///   scales_unknown   too few distances for that question
 ///   whole_metre_heights, sampled   of the input
 /// Errors: those of the estimators; usage where the noise is to be estimated by a method that cannot.
 Result<DimensionAnswer> find_dimension(const SurveyInput& input, const DimensionRequest& request, Executor& executor);

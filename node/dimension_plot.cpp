@@ -88,6 +88,7 @@ io::PlotBand band_of(const Law& law, const fractal::Interval& interval, double p
 /// Where the law's height is known best: among the shortest distances, or in the middle of an unweighted line.
 double pivot_of(const DimensionAnswer& answer) {
   const auto& range = answer.scale_range_m;
+  if (!std::isfinite(range.low)) return answer.estimate.spacing_m;
   return answer.raw_heights ? std::sqrt(range.low * range.high) : range.low;
 }
 
@@ -114,8 +115,8 @@ void add_law(const std::vector<double>& lags_m, const DimensionReport& report, i
     plot.bands.push_back(band_of(law, estimate.interval95, pivot_of(report.answer), lags_m));
   plot.lines.push_back(line_of(law, lags_m));
   plot.lines.back().colour = kLaw;
-  plot.lines.back().label = fmt::format("{}: D = {:.3f}, {} m at 1 m", estimate.method, estimate.dimension,
-                                        length_text(estimate.amplitude_m));
+  plot.lines.back().label =
+      fmt::format("D = {:.3f}, {} m at 1 m", estimate.dimension, length_text(estimate.amplitude_m));
   const bool one_law = !report.answer.scales || report.answer.scales->best().law == fractal::ScaleLaw::power;
   const double least = law.at(lags_m.front());
   if (report.answer.raw_heights || !one_law || report.answer.noise_sigma_m < 0.05 * least) return;
@@ -170,7 +171,8 @@ Result<io::LogLogPlot> dimension_plot(const std::string& name, const DimensionRe
   plot.x_label = "distance / m";
   plot.y_label = mean ? "mean |height change| / m" : "rms height change / m";
   const auto& range = answer.scale_range_m;
-  plot.spans.push_back({range.low, range.high, "scales: " + range_text(range.low, range.high)});
+  if (std::isfinite(range.low))
+    plot.spans.push_back({range.low, range.high, "scales: " + range_text(range.low, range.high)});
   add_marks(points, report, plot);
   add_law(distances(points), report, plot);
   add_check(answer, distances(points), plot);

@@ -74,7 +74,9 @@ std::string dimension_line(const DimensionReport& report) {
                          : fmt::format("D unknown ({}): the noise hides the ground", interval_text(answer));
   line += fmt::format("; {}, {} {}", estimate.method, estimate.points, report.input.cells() ? "cells" : "points");
   if (sampled(report.input, answer)) line += fmt::format(" of {}", report.input.found);
-  line += ", " + range_text(answer.scale_range_m.low, answer.scale_range_m.high) + ", " + noise_text(report);
+  const auto& scales = answer.scale_range_m;
+  line += std::isfinite(scales.low) ? ", " + range_text(scales.low, scales.high) : ", no scale above the noise";
+  line += ", " + noise_text(report);
   if (report.anisotropy) line += "; " + anisotropy_text(*report.anisotropy);
   const auto flags = all_flags(report);
   if (!flags.empty()) line += fmt::format("; flags: {}", fmt::join(flags, ", "));

@@ -1,15 +1,10 @@
-// scree dimension: D of files of every kind, and what has no D.
+// scree dimension: D of files of every kind.
 
 #include <cmath>
 #include <gmock/gmock.h>
-#include <limits>
-#include <nlohmann/json.hpp>
 #include <numbers>
-#include <sstream>
 
-#include "core/random.hpp"
-#include "fractal/surface.hpp"
-#include "tests/integration/scree.hpp"
+#include "tests/integration/dimension_inputs.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace scree::test {
@@ -18,34 +13,6 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-
-constexpr double kDimension = 2.4, kAmplitude = 0.2, kCell = 0.5;
-
-/// Exact fBm as an ESRI grid, a third of its cells without data.
-std::string esri_grid(double cell, double x, double y, bool empty = false) {
-  const auto surface = *fractal::fbm_surface({kDimension, kAmplitude}, 60, 60, kCell, 11);
-  std::ostringstream text;
-  text.precision(9);
-  text << "ncols 60\nnrows 60\nxllcorner " << x << "\nyllcorner " << y << "\ncellsize " << cell
-       << "\nNODATA_value -9999\n";
-  for (int r = 0; r < 60; ++r, text << '\n')
-    for (int c = 0; c < 60; ++c)
-      text << (empty || to_uniform(random_words(1, 2, c, r)[0]) < 0.33 ? -9999.0F : surface(r, c)) << ' ';
-  return text.str();
-}
-
-std::string write(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
-  std::ofstream(folder / name, std::ios::binary) << text;
-  return (folder / name).string();
-}
-
-nlohmann::json estimate(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "dimension");
-  arguments.push_back("--json");
-  const auto finished = scree(arguments);
-  EXPECT_EQ(finished.exit_code, 0) << finished.err;
-  return nlohmann::json::parse(finished.out);
-}
 
 // One fixed surface: that its interval holds the truth is one event of probability .95, its seed is fixed.
 TEST(DimensionCommand, RasterOfKnownDimensionIsRecovered) {
@@ -125,21 +92,6 @@ TEST(DimensionCommand, MomentsOfTheLiteratureFollowTheSurface) {
   EXPECT_THAT(near.err, HasSubstr("longest lag: expected at least"));
 }
 
-/// 50 × 50 points of an exact surface, half a metre apart, with noise of `sigma_m` on the heights and `xy_m` on both
-/// coordinates, stretched along x.
-std::string noisy_points(const TemporaryFolder& folder, double sigma_m, double xy_m, double stretch = 1.0) {
-  const auto surface = *fractal::fbm_surface({kDimension, kAmplitude}, 50, 50, kCell, 14);
-  std::ostringstream text;
-  text.precision(9);
-  for (int r = 0; r < 50; ++r)
-    for (int c = 0; c < 50; ++c) {
-      const auto n = random_normals(5, 6, c, r), m = random_normals(5, 7, c, r);
-      text << stretch * (kCell * c + xy_m * m[0]) << ' ' << kCell * r + xy_m * m[1] << ' '
-           << surface(r, c) + sigma_m * n[0] << '\n';
-    }
-  return write(folder, "noisy.xyz", text.str());
-}
-
 // One fixed surface each: that an interval holds the truth is an event of probability .95, the seed is fixed.
 TEST(DimensionCommand, TheStructureFunctionKnowsNoiseOfAllCoordinates) {
   const TemporaryFolder folder;
@@ -204,67 +156,6 @@ TEST(DimensionCommand, PointsOfARecordingAreThoseOfAllItsFrames) {
   EXPECT_LT(two["points_found"], json["points_found"]);
   EXPECT_EQ(estimate({recording, "--max-points", "5000"}), json);
   EXPECT_NE(estimate({recording, "--max-points", "5000", "--seed", "5"})["dimension"], json["dimension"]);
-}
-
-TEST(DimensionCommand, WhatHasNoDimensionIs65WithAReason) {
-  const TemporaryFolder folder;
-  std::string few, line, flat, plane;
-  for (int i = 0; i < 40; ++i) {
-    const std::string x = std::to_string(i % 8), y = std::to_string(i / 8);
-    if (i < 19) few += x + ' ' + y + ' ' + std::to_string(i * i % 7) + '\n';
-    line += x + ' ' + x + ".0 " + std::to_string(i) + '\n';
-    line += std::to_string(0.1 * i) + ' ' + std::to_string(0.1 * i) + ' ' + std::to_string(i * i % 7) + '\n';
-    flat += x + ' ' + y + " 2.5\n";
-    plane += x + ' ' + y + ' ' + std::to_string(0.1 * (i % 8) - 0.3 * (i / 8)) + '\n';
-  }
-  const std::pair<std::string, const char*> cases[] = {
-      {few, "at least 20 points, found 19"}, {line, "on one line"}, {flat, "all equal"},
-      {plane, "a plane has no D"},           {"", "points"},        {"x y\n1 2\n", "z"}};
-  for (const auto& [text, reason] : cases) {
-    const auto finished = scree({"dimension", write(folder, "bad.xyz", text)});
-    EXPECT_EQ(finished.exit_code, 65) << reason << finished.out;
-    EXPECT_THAT(finished.err, HasSubstr(reason));
-    EXPECT_THAT(finished.err, HasSubstr("bad.xyz"));
-    EXPECT_EQ(finished.out, "");
-    const auto yokoya = scree({"dimension", (folder / "bad.xyz").string(), "--method", "yokoya"});
-    EXPECT_EQ(yokoya.exit_code, 65) << reason << yokoya.out;
-  }
-}
-
-TEST(DimensionCommand, EmptyAndGeographicRastersAreRefused) {
-#ifndef SCREE_WITH_GDAL
-  GTEST_SKIP() << "this build reads no rasters";
-#endif
-  const TemporaryFolder folder;
-  const auto empty = scree({"dimension", write(folder, "empty.asc", esri_grid(kCell, 0, 0, true))});
-  EXPECT_EQ(empty.exit_code, 65);
-  EXPECT_THAT(empty.err, HasSubstr("nothing but nodata"));
-  const auto degrees = write(folder, "degrees.asc", esri_grid(0.0001, -105, 40));
-  const auto refused = scree({"dimension", degrees});
-  EXPECT_EQ(refused.exit_code, 65);
-  EXPECT_THAT(refused.err, HasSubstr("gdalwarp"));
-  EXPECT_THAT(refused.err, HasSubstr("--geographic"));
-  const auto json = estimate({degrees, "--geographic"});
-  // Mean spacing: √(cells / known cells) of a cell's 8.53 m × 11.10 m at 40° north.
-  EXPECT_NEAR(json["spacing_m"], std::sqrt(8.53 * 11.10 * 3600.0 / json["points"].get<double>()), 0.6);
-  const auto metres = write(folder, "metres.asc", esri_grid(kCell, 1000, 2000));
-  EXPECT_EQ(scree({"dimension", metres, "--geographic"}).exit_code, 65);
-}
-
-TEST(DimensionCommand, UsageAndMissingInputsHaveTheirExitCodes) {
-  EXPECT_EQ(scree({"dimension"}).exit_code, 64);
-  EXPECT_EQ(scree({"dimension", "x.xyz", "--method", "guess"}).exit_code, 64);
-  EXPECT_EQ(scree({"dimension", "x.xyz", "--noise-sigma-m", "-1"}).exit_code, 64);
-  EXPECT_EQ(scree({"dimension", "x.xyz", "--noise-xy-sigma-m", "nan"}).exit_code, 64);
-  EXPECT_EQ(scree({"dimension", "x.xyz", "--noise-sigma-m", "some"}).exit_code, 64);
-  EXPECT_EQ(scree({"dimension", "x.xyz", "--max-lag-m", "-2"}).exit_code, 64);
-  EXPECT_EQ(scree({"dimension", "x.xyz", "--segment", "spline"}).exit_code, 64);
-  EXPECT_EQ(scree({"dimension", "x.xyz", "--frames", "2"}).exit_code, 64);
-  EXPECT_EQ(scree({"dimension", "x.xyz", "--geographic"}).exit_code, 64);
-  EXPECT_EQ(scree({"dimension", "/nowhere/x.xyz"}).exit_code, 66);
-  EXPECT_EQ(scree({"dimension", "/nowhere/x.tif"}).exit_code, 66);
-  const TemporaryFolder folder;
-  EXPECT_EQ(scree({"dimension", folder.path().string()}).exit_code, 66);  // a recording without its yaml
 }
 
 // Interpolated and rounded to whole metres: smooth between neighbours, rough across the valleys.
