@@ -65,7 +65,8 @@ Result<Anisotropy> analyse_anisotropy(const Grid<float>& height_m, double cell_m
   const DirectedEnergies directed = directed_energies(heights);
   if (const Status ok = check(directed, energies); !ok) return ok.error();
 
-  const EnergyFit fit = fit_energies(dimension_tables(energies.support), energies.window);
+  EnergyFit fit;
+  fit_energies(dimension_tables(energies.support), {&energies.window, 1}, {&fit, 1});
   const double hurst = static_cast<double>(fit.hurst);
   IsotropicLaw law{energies.support, hurst, static_cast<double>(fit.c_value) * energies.unit_m2, energies.noise_m2};
   law.noise_m2 +=

@@ -1,85 +1,50 @@
 #include "fractal/dimension_fit.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/simd.hpp"
-#include "fractal/lanes.hpp"
+#include "fractal/energy_model.hpp"
 
 namespace scree::fractal {
 namespace {
 
-constexpr Lanes kNoiseGains = {6, 6, 6, 6, 6, 4, 4, 4};  // IncrementClass::noise_gain in the order of kClasses
-constexpr auto kLow = static_cast<float>(kMinHurst), kHigh = static_cast<float>(kMaxHurst);
+// A step is accurate to about its square.
+constexpr float kTolerance = 1e-3F, kMaxHurstStep = 0.3F, kMaxLogStep = 1.5F;
+/// Second differences over 4 cells against 1 cell: a factor 4^(2H) without noise.
+constexpr float kLogRatioPerHurst = 2.7725887F;
 
-/// Position on a uniform axis: node below and the weight of the node above.
-struct Bracket {
-  int node;
-  float weight;
-};
-SCREE_INLINE Bracket bracket(float position, int nodes) {
-  const float clipped = std::clamp(position, 0.0F, static_cast<float>(nodes - 1));
-  const int node = std::min(static_cast<int>(clipped), nodes - 2);
-  return {node, clipped - static_cast<float>(node)};
-}
+/// One window being fitted.
+struct Fitter : EnergyModel {
+  float hurst = 0.5F, energy = 1.0F, log_e = 0.0F;
+  float log_noise = 0.0F;  ///< ln(noise/kMinNoise); without noise far below any energy's
+  float least_log_e = 0.0F;
+  bool done = false;
 
-SCREE_INLINE Bracket hurst_bracket(float hurst, int nodes) {
-  return bracket((hurst - kLow) * (static_cast<float>(nodes - 1) / (kHigh - kLow)), nodes);
-}
-
-SCREE_INLINE Bracket noise_bracket(float rho) {
-  constexpr auto kMin = static_cast<float>(DimensionTables::kMinNoise);
-  constexpr auto kScale = static_cast<float>(1.0 / DimensionTables::kLogNoiseStep);
-  if (!(rho > kMin)) return {0, 0.0F};
-  float log_rho;
-  fast_log<float, std::int32_t>(rho / kMin, log_rho);
-  return bracket(log_rho * kScale, DimensionTables::kNoiseNodes);
-}
-
-template <std::size_t N>
-SCREE_INLINE int nearest(const std::array<double, N>& nodes, float value) {
-  int best = 0;
-  for (std::size_t i = 1; i < N; ++i)
-    if (std::abs(static_cast<float>(nodes[i]) - value) <
-        std::abs(static_cast<float>(nodes[static_cast<std::size_t>(best)]) - value))
-      best = static_cast<int>(i);
-  return best;
-}
-
-/// One window being fitted: the tables of its nugget and fill, and the current model.
-struct Fitter {
-  const DimensionTables& tables;
-  const DimensionTables::Gains* gains;  // [hurst][noise] of this nugget and fill
-  float noise, nugget;
-  float highest;                                    // bound of H
-  float energy_of_c = 1.0F;                         // E/C
-  Lanes log_energy = {}, unit = {}, residual = {};  // unit: energies per unit of E without the measurement noise
-
-  SCREE_INLINE void model_at(float hurst) {
-    const Bracket at = hurst_bracket(hurst, DimensionTables::kVarianceNodes);
-    const auto& below = tables.variances[static_cast<std::size_t>(at.node)];
-    const auto& above = tables.variances[static_cast<std::size_t>(at.node) + 1];
-    const float nu = nugget * (below.half_gamma0 + at.weight * (above.half_gamma0 - below.half_gamma0));
-    Lanes low, high;
-    load(below.reduced_signal, low);
-    load(above.reduced_signal, high);
-    unit = (1.0F - hurst) * (low + at.weight * (high - low)) + nu * kNoiseGains;
-    energy_of_c = unit[0];
-    unit = (1.0F / energy_of_c) * unit;
+  SCREE_INLINE void start(const DimensionTables& all, const EnergyWindow& window) {
+    open(all, window);
+    hurst = std::clamp(window.log_energy[4] / kLogRatioPerHurst, 0.1F, 0.7F);
+    energy = std::max(1.0F - std::min(6.0F * noise, 0.9F), least_energy);
+    log_e = log_of(energy);
+    least_log_e = log_of(least_energy);
+    log_noise = noise > 1e-30F ? log_of(noise * static_cast<float>(1.0 / DimensionTables::kMinNoise)) : -100.0F;
+    done = window.missing != 0;
+    at_hurst(hurst);
   }
 
-  SCREE_INLINE void compare(float energy) {
-    const Lanes model = energy * unit + noise * kNoiseGains;
-    Lanes log_model;
-    fast_log<Lanes, IntLanes>(model, log_model);
-    residual = log_energy - log_model;
+  static SCREE_INLINE float log_of(float x) {
+    float out;
+    fast_log<float, std::int32_t>(x, out);
+    return out;
+  }
+  SCREE_INLINE NodeBracket noise_at() const {
+    return bracket((log_noise - log_e) * static_cast<float>(1.0 / DimensionTables::kLogNoiseStep),
+                   DimensionTables::kNoiseNodes);
   }
 
   using Row = std::array<float, kClassCount> DimensionTables::Gains::*;
 
   /// Gains of one parameter, bilinear between the four nodes around (H, log ρ), times the residual.
-  SCREE_INLINE float change(Row row, const Bracket& h, const Bracket& t) const {
-    const auto* node = gains + static_cast<std::ptrdiff_t>(h.node) * DimensionTables::kNoiseNodes + t.node;
+  SCREE_INLINE float change(Row row, const NodeBracket& h, const NodeBracket& t) const {
+    const auto* node =
+        tables->gains.data() + first + static_cast<std::ptrdiff_t>(h.node) * DimensionTables::kNoiseNodes + t.node;
     Lanes low, high, blend;
     load(node->*row, low);
     load((node + DimensionTables::kNoiseNodes)->*row, high);
@@ -95,12 +60,26 @@ struct Fitter {
   struct Step {
     float hurst, log_e;
   };
-  SCREE_INLINE Step step(float hurst, float rho) const {
-    const Bracket h = hurst_bracket(hurst, DimensionTables::kHurstNodes), t = noise_bracket(rho);
+  SCREE_INLINE Step step() const {
+    const NodeBracket h = hurst_bracket(hurst, DimensionTables::kHurstNodes), t = noise_at();
     const float by = change(&DimensionTables::Gains::hurst, h, t);
-    if ((by > 0.0F && hurst >= highest) || (by < 0.0F && hurst <= kLow))
+    if ((by > 0.0F && hurst >= highest) || (by < 0.0F && hurst <= kLowestHurst))
       return {0.0F, change(&DimensionTables::Gains::log_e_alone, h, t)};
     return {by, change(&DimensionTables::Gains::log_e, h, t)};
+  }
+
+  SCREE_INLINE void pass() {
+    if (done) return;
+    compare(energy);
+    const Step by = step();
+    const float next_hurst =
+        std::clamp(hurst + std::clamp(by.hurst, -kMaxHurstStep, kMaxHurstStep), kLowestHurst, highest);
+    const float next_log_e = std::max(log_e + std::clamp(by.log_e, -kMaxLogStep, kMaxLogStep), least_log_e);
+    done = std::abs(next_hurst - hurst) + std::abs(next_log_e - log_e) < kTolerance;
+    hurst = next_hurst;
+    log_e = next_log_e;
+    energy = fast_exp(log_e);
+    at_hurst(hurst);
   }
 
   SCREE_INLINE float quadratic_form(const DimensionTables::Weight& weight) const {
@@ -112,57 +91,59 @@ struct Fitter {
     }
     return sum(form * residual);
   }
+
+  SCREE_INLINE void finish(const EnergyWindow& window, EnergyFit& fit) {
+    compare(energy);
+    fit.hurst = hurst;
+    fit.c_value = energy / energy_of_c;
+    fit.at_bound = hurst >= highest;
+    fit.tau = noise / fit.c_value;
+    const NodeBracket h = hurst_bracket(hurst, DimensionTables::kHurstNodes), t = noise_at();
+    const auto* gains = tables->gains.data() + first;
+    const auto sigma = [&](int hurst_node, int noise_node) {
+      return gains[hurst_node * DimensionTables::kNoiseNodes + noise_node].sigma_hurst;
+    };
+    const float below = sigma(h.node, t.node) + t.weight * (sigma(h.node, t.node + 1) - sigma(h.node, t.node));
+    const float above =
+        sigma(h.node + 1, t.node) + t.weight * (sigma(h.node + 1, t.node + 1) - sigma(h.node + 1, t.node));
+    fit.sigma_hurst = (below + h.weight * (above - below)) / std::sqrt(window.cells);
+    const std::size_t node = node_index(h, t);
+    fit.chi_square = window.cells * quadratic_form(tables->weights[node]);
+    fit.contrast_chi_square = window.cells * contrast_form(tables->contrast_weights[node], window.log_contrast);
+  }
+
+  static SCREE_INLINE float contrast_form(const DimensionTables::ContrastWeight& w,
+                                          const std::array<float, kContrastClassCount>& u) {
+    const float axes = w.axes[0] * u[0] * u[0] + w.axes[2] * u[2] * u[2] + 2.0F * w.axes[1] * u[0] * u[2];
+    return axes + w.diagonals[0] * u[1] * u[1] + w.diagonals[2] * u[3] * u[3] + 2.0F * w.diagonals[1] * u[1] * u[3];
+  }
 };
+
+SCREE_CLONES void fit_pair(const DimensionTables& tables, const EnergyWindow* windows, EnergyFit* fits) {
+  Fitter a, b;
+  a.start(tables, windows[0]);
+  b.start(tables, windows[1]);
+  for (int pass = 0; pass < kMaxPasses && !(a.done && b.done); ++pass) {
+    a.pass();
+    b.pass();
+  }
+  a.finish(windows[0], fits[0]);
+  b.finish(windows[1], fits[1]);
+}
 
 }  // namespace
 
-SCREE_CLONES EnergyFit fit_energies(const DimensionTables& tables, const EnergyWindow& window) {
-  // A step is accurate to about its square.
-  constexpr float kTolerance = 1e-3F, kMaxHurstStep = 0.3F, kMaxLogStep = 1.5F;
-  const int nugget_node = tables.has_nugget ? nearest(DimensionTables::kNuggets, window.nugget) : 0;
-  const std::size_t first = DimensionTables::index(nugget_node, nearest(DimensionTables::kFills, window.fill), 0, 0);
-  Fitter fitter{.tables = tables,
-                .gains = tables.gains.data() + first,
-                .noise = window.noise,
-                .nugget = tables.has_nugget ? window.nugget : 0.0F,
-                .highest = tables.max_hurst[static_cast<std::size_t>(nugget_node)]};
-  load(window.log_energy, fitter.log_energy);
-  const float least_energy = std::max(window.noise / kMaxRho, 1e-12F);
-  EnergyFit fit;
-  constexpr float kPerHurst =
-      2.7725887F;  // second differences over 4 cells against 1 cell: a factor 4^(2H) without noise
-  fit.hurst = std::clamp(window.log_energy[4] / kPerHurst, 0.1F, 0.7F);
-  fitter.model_at(fit.hurst);
-  float energy = std::max(1.0F - std::min(6.0F * window.noise, 0.9F), least_energy);
-  for (int pass = 0; pass < kMaxPasses; ++pass) {
-    fitter.compare(energy);
-    const auto step = fitter.step(fit.hurst, window.noise / energy);
-    const float hurst =
-        std::clamp(fit.hurst + std::clamp(step.hurst, -kMaxHurstStep, kMaxHurstStep), kLow, fitter.highest);
-    const float next_energy =
-        std::max(energy * std::exp(std::clamp(step.log_e, -kMaxLogStep, kMaxLogStep)), least_energy);
-    const float moved = std::abs(hurst - fit.hurst) + std::abs(next_energy / energy - 1.0F);
-    fit.hurst = hurst;
-    energy = next_energy;
-    fitter.model_at(hurst);
-    if (moved < kTolerance) break;
+void fit_energies(const DimensionTables& tables, std::span<const EnergyWindow> windows, std::span<EnergyFit> fits) {
+  std::size_t i = 0;
+  for (; i + 2 <= windows.size(); i += 2) fit_pair(tables, windows.data() + i, fits.data() + i);
+  if (i < windows.size()) {
+    const std::array<EnergyWindow, 2> twice = {windows[i], windows[i]};
+    std::array<EnergyFit, 2> both;
+    fit_pair(tables, twice.data(), both.data());
+    fits[i] = both[0];
   }
-  fitter.compare(energy);
-  fit.c_value = energy / fitter.energy_of_c;
-  fit.at_bound = fit.hurst >= fitter.highest;
-  fit.tau = window.noise / fit.c_value;
-
-  const Bracket h = hurst_bracket(fit.hurst, DimensionTables::kHurstNodes), t = noise_bracket(window.noise / energy);
-  const auto sigma = [&](int hurst, int noise_node) {
-    return fitter.gains[hurst * DimensionTables::kNoiseNodes + noise_node].sigma_hurst;
-  };
-  const float below = sigma(h.node, t.node) + t.weight * (sigma(h.node, t.node + 1) - sigma(h.node, t.node));
-  const float above =
-      sigma(h.node + 1, t.node) + t.weight * (sigma(h.node + 1, t.node + 1) - sigma(h.node + 1, t.node));
-  fit.sigma_hurst = (below + h.weight * (above - below)) / std::sqrt(window.cells);
-  const int node = (h.node + (h.weight > 0.5F)) * DimensionTables::kNoiseNodes + t.node + (t.weight > 0.5F);
-  fit.chi_square = window.cells * fitter.quadratic_form(tables.weights[first + static_cast<std::size_t>(node)]);
-  return fit;
+  for (i = 0; i < windows.size(); ++i)
+    if (windows[i].missing != 0) fits[i] = fit_partial_energies(tables, windows[i]);
 }
 
 }  // namespace scree::fractal

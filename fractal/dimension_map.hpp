@@ -2,23 +2,28 @@
 // D for every cell of a grid, from second-difference energies in box windows.
 
 #include <cstdint>
-#include <memory>
 
 #include "core/executor.hpp"
 #include "core/grid.hpp"
+#include "fractal/energy_planes.hpp"
 
 namespace scree::fractal {
 
 enum DimensionFlag : std::uint8_t {
-  /// Fewer complete axis increments than min_effective_cells, or a class of increments with none: D is NaN.
+  /// Fewer complete axis increments than min_effective_cells, or increments of fewer than four of the eight classes, or
+  /// of none over more than a cell: D is NaN.
   kTooLittleData = 1,
   /// The known noise variance exceeds the squared height change over one cell (τ > 1), or D stands at the smallest
-  /// value
-  /// that the data can tell (2.02; 2.21 for cells of one return, whose random places look like noise): D is an
+  /// value that the data can tell (2.02; 2.21 for cells of one return, whose random places look like noise): D is an
   /// upper bound at best. An exact plane has D = 2.02, amplitude 0, sigma NaN.
   kNoiseLimited = 2,
-  /// The energies contradict every single power law: residual chi-square above its 99.9 % point (6 degrees of freedom).
+  /// The energies contradict every single power law: residual chi-square above its 99.9 % point (6 degrees of freedom;
+  /// fewer where classes are missing).
   kNotFractal = 4,
+  /// Second differences of one direction are larger than those across: the chi-square of four contrasts (axes and
+  /// diagonals at steps of 1 and 2 cells) is above its 99.9 % point. D is then a mean over directions, and the
+  /// amplitude too. Not judged where classes are missing.
+  kAnisotropic = 8,
 };
 
 struct DimensionMapConfig {
@@ -37,13 +42,10 @@ struct DimensionMap {
 
 /// Second differences of eight shapes, their mean squares over a window, and generalised least squares on the
 /// logarithms (docs/fractal.md). Adding any plane to the heights changes nothing but rounding. 2.02 ≤ D ≤ 2.98. Holds
-/// the work buffers; one per thread of use. The gain tables are built once a process, at the first update.
+/// the sums and the work buffers; one per thread of use. The gain tables are built once a process.
 class DimensionMapper {
  public:
   explicit DimensionMapper(const DimensionMapConfig& config);
-  ~DimensionMapper();
-  DimensionMapper(DimensionMapper&&) noexcept;
-  DimensionMapper& operator=(DimensionMapper&&) noexcept;
 
   /// Three grids of one shape. height_m: NaN = unknown. variance_m2: known noise variance of each height (of the mean,
   /// where it is a mean); a return displaced horizontally by δ on a slope g adds (g·δ)², so either move heights to the
@@ -53,9 +55,24 @@ class DimensionMapper {
   void update(const Grid<float>& height_m, const Grid<float>& variance_m2, const Grid<std::uint16_t>& hits,
               Executor& executor, DimensionMap& out);
 
+  /// The same bytes as above for a map that is updated again and again, its window where it may be on the lattice: what
+  /// has not changed since the last call, cell by cell of the lattice, is not computed again. A changed height costs
+  /// its increments and the fits of the windows that hold one of them, a changed variance or hit count the fits of its
+  /// windows; changes are found by comparing. The sums over windows are made anew if anything changed. The result is
+  /// valid until the next call.
+  const DimensionMap& update(const LatticeWindow& window, const Grid<float>& height_m, const Grid<float>& variance_m2,
+                             const Grid<std::uint16_t>& hits, Executor& executor);
+
  private:
-  struct Tables;
-  std::unique_ptr<Tables> tables_;
+  void clear(int rows, int columns);
+  void scroll_to(const LatticeWindow& window);
+  void fit_row(const DimensionTables& tables, int row);
+
+  DimensionMapConfig config_;
+  float log_cell_;
+  EnergyPlanes planes_;
+  LatticeWindow window_;  ///< of the last update; no rows: none
+  DimensionMap map_;
 };
 
 }  // namespace scree::fractal

@@ -16,15 +16,22 @@ using ClassVector = Eigen::Matrix<double, kClassCount, 1>;
 /// two increments share: when a cell is known with probability p, independently, both means together weigh such a pair
 /// with p^−m.
 constexpr std::size_t kSharedCounts = 5;  ///< m = 0 … 4
-struct EnergyCovariance {
-  std::array<ClassMatrix, kSharedCounts> signal2, signal_noise, noise2;
+template <class Matrix>
+struct SquareSums {
+  std::array<Matrix, kSharedCounts> signal2, signal_noise, noise2;
 
-  ClassMatrix at(double nu, double fill) const {
-    ClassMatrix sum = ClassMatrix::Zero();
+  Matrix at(double nu, double fill) const {
+    Matrix sum = Matrix::Zero();
     for (std::size_t m = 0; m < kSharedCounts; ++m)
       sum += std::pow(fill, -static_cast<double>(m)) * (signal2[m] + 2.0 * nu * signal_noise[m] + nu * nu * noise2[m]);
     return sum;
   }
+};
+
+using ContrastMatrix = Eigen::Matrix<double, kContrastClassCount, kContrastClassCount>;
+struct EnergyCovariance {
+  SquareSums<ClassMatrix> energies;      ///< of the classes' means
+  SquareSums<ContrastMatrix> contrasts;  ///< of the differences of the means of a class's two directions
 };
 
 using PairSums = std::array<std::array<double, 3>, kSharedCounts>;
@@ -41,21 +48,36 @@ void add_pair(const IncrementKernel& kernel, const Increment& p, const Increment
     }
 }
 
+template <class Matrix>
+void set(const PairSums& sums, double scale, int c, int d, SquareSums<Matrix>& out) {
+  for (std::size_t m = 0; m < kSharedCounts; ++m) {
+    out.signal2[m](c, d) = out.signal2[m](d, c) = scale * sums[m][0];
+    out.signal_noise[m](c, d) = out.signal_noise[m](d, c) = scale * sums[m][1];
+    out.noise2[m](c, d) = out.noise2[m](d, c) = scale * sums[m][2];
+  }
+}
+
+void add(const PairSums& from, double sign, PairSums& to) {
+  for (std::size_t m = 0; m < kSharedCounts; ++m)
+    for (std::size_t i = 0; i < 3; ++i) to[m][i] += sign * from[m][i];
+}
+
 EnergyCovariance energy_covariance(const IncrementKernel& kernel) {
   EnergyCovariance result;
   for (int c = 0; c < kClassCount; ++c)
     for (int d = 0; d <= c; ++d) {
-      const IncrementClass first = kClasses[static_cast<std::size_t>(c)],
-                           second = kClasses[static_cast<std::size_t>(d)];
-      PairSums sums{};
-      for (const auto& p : first.increments())
-        for (const auto& q : second.increments()) add_pair(kernel, p, q, sums);
-      const double scale = 2.0 / (first.multiplicity() * second.multiplicity());
-      for (std::size_t m = 0; m < kSharedCounts; ++m) {
-        result.signal2[m](c, d) = result.signal2[m](d, c) = scale * sums[m][0];
-        result.signal_noise[m](c, d) = result.signal_noise[m](d, c) = scale * sums[m][1];
-        result.noise2[m](c, d) = result.noise2[m](d, c) = scale * sums[m][2];
-      }
+      const auto first = kClasses[static_cast<std::size_t>(c)].increments(),
+                 second = kClasses[static_cast<std::size_t>(d)].increments();
+      PairSums sums{}, differences{};
+      for (std::size_t i = 0; i < first.size(); ++i)
+        for (std::size_t j = 0; j < second.size(); ++j) {
+          PairSums pair{};
+          add_pair(kernel, first[i], second[j], pair);
+          add(pair, 1.0, sums);
+          add(pair, i == j ? 1.0 : -1.0, differences);
+        }
+      set(sums, 2.0 / static_cast<double>(first.size() * second.size()), c, d, result.energies);
+      if (c < kContrastClassCount) set(differences, 2.0, c, d, result.contrasts);
     }
   return result;
 }
@@ -88,9 +110,23 @@ std::array<float, kClassCount> to_floats(const ClassVector& v) {
   return result;
 }
 
+/// Classes 0 and 2 are the axes at steps 1 and 2, 1 and 3 the diagonals.
+void add_contrast_weight(ContrastMatrix sigma, const ClassVector& variance, DimensionTables& tables) {
+  const auto v = variance.head<kContrastClassCount>();
+  sigma.array() /= (v * v.transpose()).array();
+  const auto block = [&](int i) {
+    Eigen::Matrix2d pair;
+    pair << sigma(i, i), sigma(i, i + 2), sigma(i, i + 2), sigma(i + 2, i + 2);
+    const Eigen::Matrix2d weight = pair.inverse();
+    return std::array<float, 3>{static_cast<float>(weight(0, 0)), static_cast<float>(weight(0, 1)),
+                                static_cast<float>(weight(1, 1))};
+  };
+  tables.contrast_weights.push_back({block(0), block(1)});
+}
+
 void add_gains(const Model& model, double tau, double fill, DimensionTables& tables) {
   const ClassVector variance = model.signal + tau * noise_gains();
-  ClassMatrix sigma = model.covariance.at(model.nugget + tau, fill);
+  ClassMatrix sigma = model.covariance.energies.at(model.nugget + tau, fill);
   sigma.array() /= (variance * variance.transpose()).array();
   sigma.diagonal() *= 1.01;  // the sum over offsets is cut, and the matrix nearly singular as H → 1
   const ClassMatrix weight = sigma.inverse();
@@ -107,6 +143,7 @@ void add_gains(const Model& model, double tau, double fill, DimensionTables& tab
   for (int c = 0; c < kClassCount; ++c)
     for (int d = 0; d < kClassCount; ++d)
       out[static_cast<std::size_t>(c * kClassCount + d)] = static_cast<float>(weight(c, d));
+  add_contrast_weight(model.covariance.contrasts.at(model.nugget + tau, fill), variance, tables);
 }
 
 Model make_model(Support support, double hurst, double share) {

@@ -44,9 +44,16 @@ struct DimensionTables {
   using Weight = std::array<float, static_cast<std::size_t>(kClassCount) *
                                        kClassCount>;  ///< inverse covariance of d, for a window of one cell
 
-  std::vector<VarianceNode> variances;  ///< kVarianceNodes
-  std::vector<Gains> gains;             ///< [nugget][fill][hurst][noise]
-  std::vector<Weight> weights;          ///< likewise
+  /// Inverse covariance of ln(q0°/q90°) at steps 1 and 2 and of ln(q45°/q135°) likewise, as (11, 12, 22), for a window
+  /// of one cell. Axes and diagonals are uncorrelated: a reflection turns one contrast round and not the other.
+  struct ContrastWeight {
+    std::array<float, 3> axes, diagonals;
+  };
+
+  std::vector<VarianceNode> variances;           ///< kVarianceNodes
+  std::vector<Gains> gains;                      ///< [nugget][fill][hurst][noise]
+  std::vector<Weight> weights;                   ///< likewise
+  std::vector<ContrastWeight> contrast_weights;  ///< likewise
   /// [nugget] Largest H that the data can tell. One random point a cell makes a steep, smooth surface look like white
   /// noise again: the ratio of the energies at 4 and 1 cells rises with H up to here and falls beyond.
   std::vector<float> max_hurst;

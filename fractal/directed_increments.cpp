@@ -16,33 +16,6 @@ SCREE_CLONES std::int64_t common_bits(const std::uint64_t* a, const std::uint64_
 
 }  // namespace
 
-BitPlane::BitPlane(int rows, int columns)
-    : rows_(rows),
-      words_a_row_((static_cast<std::size_t>(columns) + 63) / 64),
-      words_(static_cast<std::size_t>(rows) * words_a_row_) {}
-
-void BitPlane::set(int row, int column) {
-  const auto c = static_cast<std::size_t>(column);
-  words_[static_cast<std::size_t>(row) * words_a_row_ + c / 64] |= std::uint64_t{1} << (c % 64);
-}
-
-BitPlane BitPlane::moved(int dx) const {
-  if (dx == 0) return *this;
-  BitPlane out = *this;
-  const auto shift = static_cast<unsigned>(dx > 0 ? dx : -dx);
-  for (int r = 0; r < rows_; ++r) {
-    const std::uint64_t* from = row(r);
-    std::uint64_t* to = out.words_.data() + static_cast<std::size_t>(r) * words_a_row_;
-    for (std::size_t i = 0; i < words_a_row_; ++i) {
-      if (dx > 0)
-        to[i] = (from[i] >> shift) | (i + 1 < words_a_row_ ? from[i + 1] << (64 - shift) : 0);
-      else
-        to[i] = (from[i] << shift) | (i > 0 ? from[i - 1] >> (64 - shift) : 0);
-    }
-  }
-  return out;
-}
-
 DirectedEnergies directed_energies(const MaskedHeights& heights) {
   DirectedEnergies out;
   for (std::size_t d = 0; d < kDirectedSteps.size(); ++d) {
@@ -76,7 +49,7 @@ std::vector<double> pair_counts(const BitPlane& first, const BitPlane& second, i
     for (int oy = -reach; oy <= reach; ++oy) {
       std::int64_t sum = 0;
       for (int r = 0; r < rows; r += stride)
-        if (r + oy >= 0 && r + oy < rows) sum += common_bits(first.row(r), moved.row(r + oy), words);
+        if (r + oy >= 0 && r + oy < rows) sum += common_bits(first.row_words(r), moved.row_words(r + oy), words);
       counts[static_cast<std::size_t>((oy + reach) * side + ox + reach)] = scale * static_cast<double>(sum);
     }
   }

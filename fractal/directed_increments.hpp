@@ -3,10 +3,9 @@
 // stand at a given offset.
 
 #include <array>
-#include <cstdint>
 #include <vector>
 
-#include "core/executor.hpp"
+#include "fractal/bit_plane.hpp"
 #include "fractal/increments.hpp"
 
 namespace scree::fractal {
@@ -21,24 +20,6 @@ inline constexpr int kDirectedCount = 8;
 inline constexpr int kContrastCount = 4;
 inline constexpr std::array<DirectedStep, kDirectedCount> kDirectedSteps = {
     {{1, 0}, {0, 1}, {1, 1}, {1, -1}, {2, 0}, {0, 2}, {2, 2}, {2, -2}}};
-
-/// One bit a cell.
-class BitPlane {
- public:
-  BitPlane() = default;
-  BitPlane(int rows, int columns);
-  int rows() const { return rows_; }
-  void set(int row, int column);
-  /// This plane moved by `dx` columns: bit (r, c) of the result is bit (r, c + dx) of this. |dx| < 64.
-  BitPlane moved(int dx) const;
-  const std::uint64_t* row(int r) const { return words_.data() + static_cast<std::size_t>(r) * words_a_row_; }
-  std::size_t words_a_row() const { return words_a_row_; }
-
- private:
-  int rows_ = 0;
-  std::size_t words_a_row_ = 0;
-  std::vector<std::uint64_t> words_;
-};
 
 struct DirectedEnergies {
   std::array<double, kDirectedCount> mean_square_m2{}, count{};

@@ -35,7 +35,7 @@ GridEnergies grid_energies(const MaskedHeights& heights, const Grid<float>& vari
   std::vector<float> row_energy(static_cast<std::size_t>(heights.columns)), row_count(row_energy.size());
   for (std::size_t c = 0; c < kClasses.size(); ++c)
     for (int r = 0; r < heights.rows; ++r) {
-      increment_energies(heights, kClasses[c], r, row_energy, row_count);
+      increment_energies(heights, kClasses[c], kAllDirections, r, 0, heights.columns, row_energy, row_count);
       for (const float e : row_energy) energy[c] += static_cast<double>(e);
       for (const float k : row_count) count[c] += static_cast<double>(k);
     }

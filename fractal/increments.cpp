@@ -1,5 +1,6 @@
 #include "fractal/increments.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/simd.hpp"
@@ -44,15 +45,16 @@ std::vector<Increment> IncrementClass::increments() const {
   return {{{low, low, 1}, {high, low, -1}, {low, high, -1}, {high, high, 1}}};
 }
 
+void MaskedHeights::clear(int grid_rows, int grid_columns) {
+  rows = grid_rows;
+  columns = grid_columns;
+  const auto cells = static_cast<std::size_t>(rows + 2 * kIncrementReach) * static_cast<std::size_t>(stride());
+  height.assign(cells, 0.0F);
+  mask.assign(cells, 0.0F);
+}
+
 void load_heights(const Grid<float>& height_m, MaskedHeights& out) {
-  if (out.rows != height_m.rows() || out.columns != height_m.columns() || out.height.empty()) {
-    out.rows = height_m.rows();
-    out.columns = height_m.columns();
-    const auto cells =
-        static_cast<std::size_t>(out.rows + 2 * kIncrementReach) * static_cast<std::size_t>(out.stride());
-    out.height.assign(cells, 0.0F);
-    out.mask.assign(cells, 0.0F);
-  }
+  out.clear(height_m.rows(), height_m.columns());
   for (int r = 0; r < out.rows; ++r) {
     const auto row = height_m.row(r);
     float* height = out.height.data() + out.offset(r, 0);
@@ -71,28 +73,24 @@ double rounding_variance_m2(float largest_m) {
   return unit_m * unit_m / 12.0;
 }
 
-void increment_energies(const MaskedHeights& z, IncrementClass increment_class, int row, std::span<float> energy,
-                        std::span<float> count) {
+void increment_energies(const MaskedHeights& z, IncrementClass increment_class, int direction, int row, int begin,
+                        int end, std::span<float> energy, std::span<float> count) {
   const std::ptrdiff_t stride = z.stride();
-  const int n = z.columns, h = increment_class.step;
-  const float* height = z.height.data() + z.offset(row, 0);
-  const float* mask = z.mask.data() + z.offset(row, 0);
-  for (int i = 0; i < n; ++i) energy[static_cast<std::size_t>(i)] = count[static_cast<std::size_t>(i)] = 0.0F;
-  switch (increment_class.shape) {
-    case IncrementShape::axis:
-      add_three_point(height, mask, h, n, energy.data(), count.data());
-      add_three_point(height, mask, h * stride, n, energy.data(), count.data());
-      break;
-    case IncrementShape::diagonal:
-      add_three_point(height, mask, h * stride + h, n, energy.data(), count.data());
-      add_three_point(height, mask, h * stride - h, n, energy.data(), count.data());
-      break;
-    case IncrementShape::square: {
-      const std::ptrdiff_t corner = -(h / 2) * (stride + 1);
-      add_square(height + corner, mask + corner, h, h * stride, n, energy.data(), count.data());
-      break;
-    }
+  const int n = end - begin, h = increment_class.step;
+  const float* height = z.height.data() + z.offset(row, begin);
+  const float* mask = z.mask.data() + z.offset(row, begin);
+  float* e = energy.data() + begin;
+  float* k = count.data() + begin;
+  std::fill_n(e, n, 0.0F);
+  std::fill_n(k, n, 0.0F);
+  if (increment_class.shape == IncrementShape::square) {
+    const std::ptrdiff_t corner = -(h / 2) * (stride + 1);
+    add_square(height + corner, mask + corner, h, h * stride, n, e, k);
+    return;
   }
+  const bool axis = increment_class.shape == IncrementShape::axis;
+  if (direction != 1) add_three_point(height, mask, axis ? h : h * stride + h, n, e, k);
+  if (direction != 0) add_three_point(height, mask, axis ? h * stride : h * stride - h, n, e, k);
 }
 
 }  // namespace scree::fractal

@@ -38,27 +38,34 @@ inline constexpr std::array<IncrementClass, kClassCount> kClasses = {{{Increment
                                                                       {IncrementShape::square, 1},
                                                                       {IncrementShape::square, 2},
                                                                       {IncrementShape::square, 4}}};
+/// The first classes are those whose two directions are compared with each other: axes and diagonals of steps 1 and 2.
+inline constexpr int kContrastClassCount = 4;
 inline constexpr int kIncrementReach = 4;  ///< cells beyond the centre
 
 /// Heights with a rim of kIncrementReach unknown cells all round: height 0 and mask 0 where unknown, mask 1 elsewhere.
 struct MaskedHeights {
   int rows = 0, columns = 0;  ///< without the rim
   std::vector<float> height, mask;
+  /// Sets the shape; everything is unknown.
+  void clear(int grid_rows, int grid_columns);
   int stride() const { return columns + 2 * kIncrementReach; }
   std::ptrdiff_t offset(int row, int column) const {
     return static_cast<std::ptrdiff_t>(row + kIncrementReach) * stride() + column + kIncrementReach;
   }
 };
 
-/// Fills `out`; its buffers are reused where the shape is the same. NaN and infinite heights are unknown.
+/// Sets `out`, keeping its buffers where they suffice. NaN and infinite heights are unknown.
 void load_heights(const Grid<float>& height_m, MaskedHeights& out);
 
 /// Variance of the rounding of float heights none of which exceeds `largest_m`: a twelfth of the square of one unit in
 /// the last place of its binade.
 double rounding_variance_m2(float largest_m);
 
-/// Squares and counts of the complete increments of one class, centred at each cell of one row. Branch-free.
-void increment_energies(const MaskedHeights& z, IncrementClass increment_class, int row, std::span<float> energy,
-                        std::span<float> count);
+inline constexpr int kAllDirections = -1;
+
+/// Squares and counts of the complete increments of one class, centred at the cells [begin, end) of one row; `energy`
+/// and `count` are whole rows. direction: index into increments(), or kAllDirections for their sum. Branch-free.
+void increment_energies(const MaskedHeights& z, IncrementClass increment_class, int direction, int row, int begin,
+                        int end, std::span<float> energy, std::span<float> count);
 
 }  // namespace scree::fractal

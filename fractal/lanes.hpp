@@ -46,4 +46,19 @@ SCREE_INLINE void fast_log(const Float& x, Float& out) {
   out = t + (p * t * t2 - 0.5F * t2 - 2.12194440e-4F * e) + 0.693359375F * e;
 }
 
+/// e^x for −87 ≤ x ≤ 88 to 1 ulp or so, inline where a call would spill every lane. x = n·ln 2 + t, |t| ≤ ½ ln 2;
+/// polynomial of S. Moshier's Cephes expf.
+SCREE_INLINE float fast_exp(float x) {
+  constexpr float kMagic = 12582912.0F;  // 1.5·2^23: adding it rounds to whole numbers
+  const float shifted = x * 1.44269504F + kMagic;
+  const float n = shifted - kMagic;
+  const float t = (x - n * 0.693359375F) + n * 2.12194440e-4F;
+  const float t2 = t * t;
+  const float p0 = 5.0000001201e-1F + 1.6666665459e-1F * t, p1 = 4.1665795894e-2F + 8.3334519073e-3F * t;
+  const float p2 = 1.3981999507e-3F + 1.9875691500e-4F * t;
+  const float p = 1.0F + (t + t2 * (p0 + t2 * (p1 + t2 * p2)));
+  const std::int32_t exponent = __builtin_bit_cast(std::int32_t, shifted) - __builtin_bit_cast(std::int32_t, kMagic);
+  return p * __builtin_bit_cast(float, (exponent + 127) << 23);
+}
+
 }  // namespace scree::fractal

@@ -50,7 +50,7 @@ Layers::Layers(const MapConfig& config)
       shape_(shape_config(config)) {}
 
 // On a slope the places of a cell's few returns are noise of its height: slope² · cell² / 12 for one return.
-void Layers::estimate_roughness(Executor& executor) {
+void Layers::estimate_roughness(const LatticeWindow& window, Executor& executor) {
   shape_.slopes(ground_.height_m, executor, measured_slope_rad_);
   place_variance_m2_.assign(ground_.height_m.rows(), ground_.height_m.columns(), 0.0F);
   const auto place_m2 = static_cast<float>(config_.cell_m * config_.cell_m / 12.0);
@@ -64,11 +64,11 @@ void Layers::estimate_roughness(Executor& executor) {
                                           rise * rise * place_m2 / static_cast<float>(ground_.support(row, column));
       }
   });
-  dimension_mapper_.update(ground_.height_m, place_variance_m2_, ground_.support, executor, roughness_);
+  roughness_ = &dimension_mapper_.update(window, ground_.height_m, place_variance_m2_, ground_.support, executor);
 }
 
 const fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, Executor& executor) {
-  const auto seen = window_law_.estimate(roughness_, ground_.measured);
+  const auto seen = window_law_.estimate(*roughness_, ground_.measured);
   if (seen) law_ = law_ ? follow(*law_, *seen) : *seen;
   const bool any = std::find(ground_.measured.begin(), ground_.measured.end(), 1) != ground_.measured.end();
   if (!law_ || !any) return nullptr;
@@ -79,7 +79,7 @@ const fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, 
 void Layers::compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out) {
   const LatticeWindow& window = map.window();
   ground_.unroll(map, config_.cell_m, executor);
-  estimate_roughness(executor);
+  estimate_roughness(window, executor);
   const fractal::Reconstruction* filled = reconstruct(window, executor);
   states_.classify(ground_, filled, executor, out.state, out.elevation_m);
   shape_.update(out.elevation_m, ground_.noise_variance_m2, ground_.relief_m2, executor, out.slope_rad, out.step_m,
@@ -102,14 +102,14 @@ void Layers::publish_row(int row, MapSnapshot& out) const {
     if (ground.state == CellState::measured)
       out.elevation_sigma_m(row, column) = std::sqrt(ground_.variance_m2(row, column));
     if (ground.state == CellState::measured || ground.state == CellState::reconstructed) {
-      const float amplitude_m = roughness_.amplitude_m(row, column);
-      const float dimension = roughness_.dimension(row, column);
+      const float amplitude_m = roughness_->amplitude_m(row, column);
+      const float dimension = roughness_->dimension(row, column);
       const bool estimated =
-          (roughness_.flags(row, column) & fractal::kTooLittleData) == 0 && std::isfinite(dimension + amplitude_m);
-      out.dimension_flags(row, column) = roughness_.flags(row, column);
+          (roughness_->flags(row, column) & fractal::kTooLittleData) == 0 && std::isfinite(dimension + amplitude_m);
+      out.dimension_flags(row, column) = roughness_->flags(row, column);
       if (estimated) {
         out.dimension(row, column) = dimension;
-        out.dimension_sigma(row, column) = roughness_.dimension_sigma(row, column);
+        out.dimension_sigma(row, column) = roughness_->dimension_sigma(row, column);
         out.amplitude_m(row, column) = amplitude_m;
         ground.roughness = fractal::FractalLaw{static_cast<double>(dimension), static_cast<double>(amplitude_m)};
       } else {

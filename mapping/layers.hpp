@@ -26,7 +26,7 @@ class Layers {
   void compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out);
 
  private:
-  void estimate_roughness(Executor& executor);
+  void estimate_roughness(const LatticeWindow& window, Executor& executor);
   const fractal::Reconstruction* reconstruct(const LatticeWindow& window, Executor& executor);
   void publish_row(int row, MapSnapshot& out) const;
 
@@ -36,7 +36,7 @@ class Layers {
   Grid<float> deviation_m_;        ///< of the heights from the footprint's plane
   Grid<float> place_variance_m2_;  ///< noise of a height plus that of its returns' places on the slope
   fractal::DimensionMapper dimension_mapper_;
-  fractal::DimensionMap roughness_;
+  const fractal::DimensionMap* roughness_ = nullptr;  ///< the mapper's, of the last update
   WindowLaw window_law_;
   std::optional<fractal::FractalLaw> law_;  ///< of the window, followed over frames
   fractal::ConditionalReconstructor reconstructor_;

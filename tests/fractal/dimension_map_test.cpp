@@ -47,13 +47,14 @@ Grid<float> surface(double dimension, int side, std::uint64_t seed, double ampli
 
 TEST(BoxSum, AgreesWithBruteForceAtEveryBorder) {
   BoxSum box;
+  BoxScratch scratch;
   for (const int radius : {0, 1, 3, 10}) {
     box.resize(13, 17, radius);
     for (int repeat = 0; repeat < 2; ++repeat) {  // the second pass finds the buffers used
       for (int r = 0; r < 13; ++r)
         for (int c = 0; c < 17; ++c)
           box.row(r)[static_cast<std::size_t>(c)] = static_cast<float>((r * 31 + c * 7) % 11);
-      box.sum();
+      box.sum(scratch);
       for (int r = 0; r < 13; ++r)
         for (int c = 0; c < 17; ++c) {
           int expected = 0;
@@ -168,7 +169,7 @@ TEST(DimensionMap, EmptyAndSparseWindowsAreFlagged) {
 }
 
 struct Moments {
-  double mean = 0.0, rmse = 0.0, coverage = 0.0, rejected = 0.0, log_amplitude = 0.0;
+  double mean = 0.0, rmse = 0.0, coverage = 0.0, rejected = 0.0, anisotropic = 0.0, log_amplitude = 0.0;
 };
 
 struct Sampling {
@@ -209,6 +210,7 @@ Moments study(double dimension, int surfaces, Sampling sampling) {
     m.rmse += error * error / surfaces;
     m.coverage += (std::abs(error) < 1.96 * map.dimension_sigma(14, 14) ? 1.0 : 0.0) / surfaces;
     m.rejected += (map.flags(14, 14) & kNotFractal ? 1.0 : 0.0) / surfaces;
+    m.anisotropic += (map.flags(14, 14) & kAnisotropic ? 1.0 : 0.0) / surfaces;
     m.log_amplitude += std::log(map.amplitude_m(14, 14) / 0.1) / surfaces;
   }
   m.rmse = std::sqrt(m.rmse);
@@ -217,7 +219,9 @@ Moments study(double dimension, int surfaces, Sampling sampling) {
 
 // 21 × 21 cells, exact fBm. Bounds: RMSE 1.1 × the Cramér–Rao bound of the window (.053 .051 .048 .041 .025 for a plane
 // drift), times the 3-s.e. factor of a standard deviation from n surfaces, 1 + 3/√(2n) = 1.15 (n = 200); bias 0.01 + 3
-// s.e.; coverage of the 95 % interval at least .95 − 3·√(.95·.05/n) = .904. False-alarm rate about 1e-3 a bound.
+// s.e.; at most .004 of the cells flagged anisotropic (nominal
+// .001), 5 in 200 with probability 1e-3; coverage of the 95 % interval at least .95 − 3·√(.95·.05/n) = .904.
+// False-alarm rate about 1e-3 a bound.
 TEST(DimensionMap, ReachesTheCramerRaoBoundOnFullWindows) {
   constexpr int kSurfaces = 200;
   const double bound[] = {0.053, 0.051, 0.048, 0.041, 0.025};
@@ -227,6 +231,7 @@ TEST(DimensionMap, ReachesTheCramerRaoBoundOnFullWindows) {
     EXPECT_LT(std::abs(m.mean), 0.01 + 3.0 * bound[i] / std::sqrt(kSurfaces)) << "D = " << 2.1 + 0.2 * i;
     EXPECT_GT(m.coverage, 0.904) << "D = " << 2.1 + 0.2 * i;
     EXPECT_LT(m.rejected, 0.06) << "D = " << 2.1 + 0.2 * i;
+    EXPECT_LT(m.anisotropic, 0.025) << "D = " << 2.1 + 0.2 * i;
   }
 }
 
@@ -240,6 +245,7 @@ TEST(DimensionMap, HandlesKnownNoiseAndGaps) {
     EXPECT_LT(std::abs(m.mean), 0.02 + 3.0 * 1.6 * bound[i] / std::sqrt(150.0)) << "D = " << 2.1 + 0.4 * i;
     EXPECT_GT(m.coverage, 0.897) << "D = " << 2.1 + 0.4 * i;
     EXPECT_LT(m.rejected, 0.06) << "D = " << 2.1 + 0.4 * i;
+    EXPECT_LT(m.anisotropic, 0.025) << "D = " << 2.1 + 0.4 * i;
   }
 }
 
