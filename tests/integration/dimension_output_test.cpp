@@ -60,6 +60,31 @@ TEST(DimensionOutput, MapsOfPointsAreGridsOfTheWholeSurvey) {
   }
 }
 
+// A random 16 % of the places of a fine lattice, tilted, averaged in cells of their mean spacing: 200 × 200 of them, 90
+// independent windows of 21 × 21 with a standard deviation of at most .09 each (docs/fractal.md: 30 % empty), so .01
+// for the mean, 4 of those, and .02 for a bias.
+TEST(DimensionOutput, MapsOfScatteredPointsHaveTheDimensionOfTheGround) {
+  for (const double truth : {2.4, 2.7}) {
+    const TemporaryFolder folder;
+    constexpr int kFine = 500;
+    const auto surface = *fractal::fbm_surface({truth, kAmplitude}, kFine, kFine, 0.2, 24);
+    std::ofstream text(folder / "points.xyz");
+    text.precision(9);
+    for (int r = 0; r < kFine; ++r)
+      for (int c = 0; c < kFine; ++c)
+        if (to_uniform(random_words(7, 8, c, r)[0]) < 0.16)
+          text << 0.2 * c << ' ' << 0.2 * r << ' ' << surface(r, c) + 0.5 * 0.2 * c << '\n';
+    text.close();
+    const auto finished = scree({"dimension", (folder / "points.xyz").string(), "--window-m", "10.5", "--out",
+                                 (folder / "map.npy").string(), "--json"});
+    ASSERT_EQ(finished.exit_code, 0) << finished.err;
+    const auto json = nlohmann::json::parse(finished.out);
+    EXPECT_NEAR(json["maps"]["cell_m"].get<double>(), 0.5, 0.02);
+    EXPECT_NEAR(mean_of(*io::read_npy(folder / "map.dimension.npy")), truth, 0.06);
+    EXPECT_NEAR(mean_of(*io::read_npy(folder / "map.amplitude.npy")) / kAmplitude, 1.0, 0.15);
+  }
+}
+
 TEST(DimensionOutput, MapsOfARasterAreItsOwnCellsInItsPlace) {
 #ifndef SCREE_WITH_GDAL
   GTEST_SKIP() << "this build writes no rasters";
