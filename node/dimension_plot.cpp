@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "fractal/moment_dimension.hpp"
+#include "node/dimension_plot_data.hpp"
 #include "node/length_text.hpp"
 
 namespace scree::node {
@@ -15,37 +15,6 @@ namespace {
 using fractal::LogLogPoint;
 
 constexpr io::Colour kLaw{200, 60, 30}, kBand{248, 218, 205}, kNoisy{40, 90, 170}, kOther{120, 150, 60};
-
-/// Heights above the survey's least-squares plane.
-std::vector<double> above_plane(const SurveyInput& input) {
-  double n = 0, x = 0, y = 0, z = 0;
-  for (std::size_t i = 0; i < input.z_m.size(); ++i) ++n, x += input.x_m[i], y += input.y_m[i], z += input.z_m[i];
-  x /= n, y /= n, z /= n;
-  double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
-  for (std::size_t i = 0; i < input.z_m.size(); ++i) {
-    const double dx = input.x_m[i] - x, dy = input.y_m[i] - y, dz = input.z_m[i] - z;
-    xx += dx * dx, xy += dx * dy, yy += dy * dy, xz += dx * dz, yz += dy * dz;
-  }
-  const double determinant = xx * yy - xy * xy;
-  const double slope_x = (xz * yy - yz * xy) / determinant, slope_y = (yz * xx - xz * xy) / determinant;
-  std::vector<double> heights(input.z_m.size());
-  for (std::size_t i = 0; i < heights.size(); ++i)
-    heights[i] = input.z_m[i] - z - slope_x * (input.x_m[i] - x) - slope_y * (input.y_m[i] - y);
-  return heights;
-}
-
-/// The points that a likelihood has no need of.
-Result<std::vector<LogLogPoint>> level_points(const DimensionReport& report, Executor& executor) {
-  const std::vector<double> heights = above_plane(report.input);
-  const fractal::SurveyPoints survey{.x_m = report.input.x_m, .y_m = report.input.y_m, .z_m = heights};
-  fractal::MomentOptions options;
-  options.moment = fractal::Moment::second;
-  options.max_lag_m = report.request.max_lag_m;
-  options.seed = report.request.seed;
-  auto found = fractal::estimate_dimension_moment(survey, options, executor);
-  if (!found) return found.error();
-  return std::move(found->points);
-}
 
 /// The law's change at a distance; E|z| = σ·√(2/π) for Gaussian differences.
 struct Law {
@@ -95,7 +64,7 @@ double pivot_of(const DimensionAnswer& answer) {
 void add_marks(const std::vector<LogLogPoint>& points, const DimensionReport& report, io::LogLogPlot& plot) {
   const bool fitted = report.answer.raw_heights;
   const auto& range = report.answer.scale_range_m;
-  io::PlotMarks used{{}, true, fitted ? "fitted" : "measured, plane taken off"}, others{{}, false, ""};
+  io::PlotMarks used{{}, true, fitted ? "fitted" : "measured, tilt taken out"}, others{{}, false, ""};
   for (const LogLogPoint& p : points) {
     const double lag = std::exp(p.log_lag);
     const bool inside = !fitted || (lag > range.low * 0.999 && lag < range.high * 1.001);
@@ -128,21 +97,27 @@ void add_law(const std::vector<double>& lags_m, const DimensionReport& report, i
   plot.lines.back().label = "with noise " + length_text(noisy.noise_m) + " m";
 }
 
+io::PlotLine line_through(const std::vector<LogLogPoint>& points, const std::vector<double>& log_changes,
+                          io::Colour colour) {
+  io::PlotLine line{{}, colour, false, ""};
+  for (std::size_t i = 0; i < log_changes.size(); ++i)
+    line.points.push_back({std::exp(points[i].log_lag), std::exp(log_changes[i])});
+  return line;
+}
+
 /// The other method's law, where the two disagree.
-void add_check(const DimensionAnswer& answer, const std::vector<double>& lags_m, io::LogLogPlot& plot) {
-  if (!answer.check || !answer.agreement.comparable || answer.agreement.agree) return;
-  plot.lines.push_back(line_of({answer.check->dimension, answer.check->amplitude_m}, lags_m));
-  plot.lines.back().colour = kOther;
+void add_check(const DimensionAnswer& answer, const DimensionPlotData& data, io::LogLogPlot& plot) {
+  if (data.log_check.empty()) return;
+  plot.lines.push_back(line_through(data.points, data.log_check, kOther));
   plot.lines.back().label = fmt::format("{}: D = {:.3f}", answer.check->method, answer.check->dimension);
 }
 
 /// What the structure function asks for instead of one power law.
-void add_scales(const fractal::ScaleAnalysis& scales, io::LogLogPlot& plot) {
-  const auto& best = scales.best();
-  if (best.law == fractal::ScaleLaw::power) return;
-  io::PlotLine line{{}, kNoisy, true, ""};
-  for (std::size_t i = 0; i < scales.points.size(); ++i)
-    line.points.push_back({std::exp(scales.points[i].log_lag), std::exp(scales.log_model[i])});
+void add_scales(const DimensionAnswer& answer, const DimensionPlotData& data, io::LogLogPlot& plot) {
+  if (data.log_scales.empty()) return;
+  const auto& best = answer.scales->best();
+  io::PlotLine line = line_through(data.points, data.log_scales, kNoisy);
+  line.dashed = true;
   line.label = fmt::format("D = {:.3f}, ", best.dimension);
   if (best.law == fractal::ScaleLaw::two_scales)
     line.label += fmt::format("{:.3f} from {} m", best.coarse_dimension, length_text(best.crossover_m));
@@ -157,12 +132,8 @@ void add_scales(const fractal::ScaleAnalysis& scales, io::LogLogPlot& plot) {
 
 Result<io::LogLogPlot> dimension_plot(const std::string& name, const DimensionReport& report, Executor& executor) {
   const DimensionAnswer& answer = report.answer;
-  std::vector<LogLogPoint> points = answer.scales ? answer.scales->points : answer.plot_points;
-  if (points.empty()) {
-    auto level = level_points(report, executor);
-    if (!level) return level.error();
-    points = *std::move(level);
-  }
+  const auto data = dimension_plot_data(report, executor);
+  if (!data) return data.error();
   io::LogLogPlot plot;
   const bool mean = answer.plot_moment == fractal::Moment::first_absolute;
   plot.title = name;
@@ -173,10 +144,10 @@ Result<io::LogLogPlot> dimension_plot(const std::string& name, const DimensionRe
   const auto& range = answer.scale_range_m;
   if (std::isfinite(range.low))
     plot.spans.push_back({range.low, range.high, "scales: " + range_text(range.low, range.high)});
-  add_marks(points, report, plot);
-  add_law(distances(points), report, plot);
-  add_check(answer, distances(points), plot);
-  if (answer.scales) add_scales(*answer.scales, plot);
+  add_marks(data->points, report, plot);
+  add_law(distances(data->points), report, plot);
+  add_check(answer, *data, plot);
+  add_scales(answer, *data, plot);
   return plot;
 }
 

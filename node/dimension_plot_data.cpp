@@ -1,0 +1,103 @@
+#include "node/dimension_plot_data.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "fractal/law_picture.hpp"
+#include "fractal/moment_dimension.hpp"
+
+namespace scree::node {
+namespace {
+
+using fractal::LogLogPoint;
+
+/// Heights above the survey's least-squares plane.
+std::vector<double> above_plane(const SurveyInput& input) {
+  double n = 0, x = 0, y = 0, z = 0;
+  for (std::size_t i = 0; i < input.z_m.size(); ++i) ++n, x += input.x_m[i], y += input.y_m[i], z += input.z_m[i];
+  x /= n, y /= n, z /= n;
+  double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+  for (std::size_t i = 0; i < input.z_m.size(); ++i) {
+    const double dx = input.x_m[i] - x, dy = input.y_m[i] - y, dz = input.z_m[i] - z;
+    xx += dx * dx, xy += dx * dy, yy += dy * dy, xz += dx * dz, yz += dy * dz;
+  }
+  const double determinant = xx * yy - xy * xy;
+  const double slope_x = (xz * yy - yz * xy) / determinant, slope_y = (yz * xx - xz * xy) / determinant;
+  std::vector<double> heights(input.z_m.size());
+  for (std::size_t i = 0; i < heights.size(); ++i)
+    heights[i] = input.z_m[i] - z - slope_x * (input.x_m[i] - x) - slope_y * (input.y_m[i] - y);
+  return heights;
+}
+
+/// Where there are too few for the structure function, or no law to compare them with.
+Result<std::vector<LogLogPoint>> level_points(const DimensionReport& report, Executor& executor) {
+  const std::vector<double> heights = above_plane(report.input);
+  const fractal::SurveyPoints survey{.x_m = report.input.x_m, .y_m = report.input.y_m, .z_m = heights};
+  fractal::MomentOptions options;
+  options.moment = fractal::Moment::second;
+  options.max_lag_m = report.request.max_lag_m;
+  options.seed = report.request.seed;
+  auto found = fractal::estimate_dimension_moment(survey, options, executor);
+  if (!found) return found.error();
+  return std::move(found->points);
+}
+
+bool disagree(const DimensionAnswer& answer) {
+  return answer.check && answer.agreement.comparable && !answer.agreement.agree;
+}
+
+Result<fractal::LawPicture> picture_of(const DimensionReport& report, Executor& executor) {
+  const SurveyInput& input = report.input;
+  const DimensionRequest& request = report.request;
+  const DimensionAnswer& answer = report.answer;
+  const fractal::SurveyPoints survey{
+      .x_m = input.x_m,
+      .y_m = input.y_m,
+      .z_m = input.z_m,
+      .noise_sigma_m = request.noise_auto ? answer.estimate.noise_sigma_m : request.noise_sigma_m,
+      .noise_xy_sigma_m = request.noise_xy_sigma_m,
+      .height_resolution_m = input.height_resolution_m};
+  return fractal::law_picture(survey, {request.max_lag_m, request.seed}, answer.estimate,
+                              disagree(answer) ? &*answer.check : nullptr, executor);
+}
+
+/// For ground so smooth that the plane takes nearly all of what its law allows: the points as the structure function
+/// has corrected them for its own law, others as they are.
+DimensionPlotData smooth_picture(const DimensionAnswer& answer) {
+  DimensionPlotData data;
+  data.points = answer.scales->points;
+  if (answer.scales->best().law != fractal::ScaleLaw::power) data.log_scales = answer.scales->log_model;
+  if (!disagree(answer)) return data;
+  for (const LogLogPoint& p : data.points)
+    data.log_check.push_back(std::log(answer.check->amplitude_m) + (3.0 - answer.check->dimension) * p.log_lag);
+  return data;
+}
+
+}  // namespace
+
+Result<DimensionPlotData> dimension_plot_data(const DimensionReport& report, Executor& executor) {
+  const DimensionAnswer& answer = report.answer;
+  DimensionPlotData data;
+  data.points = answer.plot_points;
+  if (!data.points.empty()) return data;
+  constexpr double kSmooth = 2.1;
+  if (answer.scales && answer.estimate.dimension < kSmooth) return smooth_picture(answer);
+  auto picture = picture_of(report, executor);
+  if (!picture || !std::isfinite(answer.estimate.dimension)) {
+    auto level = level_points(report, executor);
+    if (!level) return level.error();
+    data.points = *std::move(level);
+    return data;
+  }
+  data.points = std::move(picture->points);
+  data.log_check = std::move(picture->log_other);
+  const auto& scales = answer.scales;
+  if (!scales || scales->best().law == fractal::ScaleLaw::power || scales->points.size() != data.points.size())
+    return data;
+  // As far from the points as the analysis has it.
+  for (std::size_t i = 0; i < data.points.size(); ++i)
+    data.log_scales.push_back(data.points[i].log_change + scales->log_model[i] - scales->points[i].log_change);
+  return data;
+}
+
+}  // namespace scree::node
