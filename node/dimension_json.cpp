@@ -72,7 +72,8 @@ Json maps_json(const MapsSummary& summary) {
           {"median_dimension", number(summary.median_dimension)},
           {"too_little_data", summary.too_little_data},
           {"noise_limited", summary.noise_limited},
-          {"not_fractal", summary.not_fractal}};
+          {"not_fractal", summary.not_fractal},
+          {"anisotropic", summary.anisotropic}};
 }
 
 Json recording_json(const SurveyFrames& frames) {

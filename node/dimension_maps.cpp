@@ -12,7 +12,6 @@ namespace scree::node {
 namespace {
 
 constexpr int kNarrowestWindow = 2 * fractal::kIncrementReach + 1;
-constexpr int kStripCells = 1 << 21;  // 130 bytes each in the mapper
 
 template <class T>
 Grid<T> rows_of(const Grid<T>& grid, int begin, int end) {
@@ -43,6 +42,7 @@ MapsSummary summarise(const SurveyGrid& grid, const fractal::DimensionMap& map, 
     summary.too_little_data += (map.flags[i] & fractal::kTooLittleData) != 0;
     summary.noise_limited += (map.flags[i] & fractal::kNoiseLimited) != 0;
     summary.not_fractal += (map.flags[i] & fractal::kNotFractal) != 0;
+    summary.anisotropic += (map.flags[i] & fractal::kAnisotropic) != 0;
     if (std::isfinite(map.dimension[i])) known.push_back(map.dimension[i]);
   }
   summary.dimension_cells = known.size();
@@ -67,7 +67,7 @@ Result<int> window_radius(const SurveyGrid& grid, double window_m) {
   return static_cast<int>(std::min(std::ceil(0.5 * (cells - 1.0) - 1e-6), static_cast<double>(widest)));
 }
 
-fractal::DimensionMap map_dimension(const SurveyGrid& grid, int radius_cells, Executor& executor) {
+fractal::DimensionMap map_dimension(const SurveyGrid& grid, int radius_cells, Executor& executor, int strip_cells) {
   const int rows = grid.height_m.rows(), columns = grid.height_m.columns();
   fractal::DimensionMap map;
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -77,7 +77,7 @@ fractal::DimensionMap map_dimension(const SurveyGrid& grid, int radius_cells, Ex
   map.flags.assign(rows, columns, fractal::kTooLittleData);
   fractal::DimensionMapper mapper({grid.cell_m, radius_cells});
   const int reach = radius_cells + fractal::kIncrementReach;
-  const int strip = std::max(2 * reach, kStripCells / columns);
+  const int strip = std::max(2 * reach, strip_cells / columns);
   fractal::DimensionMap part;
   for (int begin = 0; begin < rows; begin += strip) {
     const int end = std::min(rows, begin + strip), first = std::max(0, begin - reach),
@@ -104,7 +104,7 @@ Result<MapsSummary> write_dimension_maps(const SurveyGrid& grid, double window_m
        {"dimension_sigma",
         {"standard deviation of D" + window, map.dimension_sigma, {ColourMap::viridis, 0.0, {}, false}}},
        {"amplitude", {"rms height change at 1 m / m" + window, map.amplitude_m, {ColourMap::viridis, 0.0, {}, false}}},
-       {"dimension_flags", {"flags of D (bits)", as_layer(map), {ColourMap::viridis, 0.0, 7.0, false}}}}};
+       {"dimension_flags", {"flags of D (bits)", as_layer(map), {ColourMap::viridis, 0.0, 15.0, false}}}}};
   for (const auto& [name, panel] : layers)
     if (Status status = files.write(name, panel, grid.place.raster, grid.place.picture); !status) return status.error();
   return summarise(grid, map, *radius);
@@ -121,10 +121,10 @@ std::string maps_line(const MapsSummary& summary, const LayerFiles& files) {
   return fmt::format(
       "{}: {} x {} cells of {:.4g} m, windows of {} x {}; D in {} cells, median {:.3f}; {:.1f} % of them "
       "noise_limited, "
-      "{:.1f} % not_fractal",
+      "{:.1f} % not_fractal, {:.1f} % anisotropic",
       files.file("dimension").string(), summary.columns, summary.rows, summary.cell_m, summary.window_cells,
       summary.window_cells, summary.dimension_cells, summary.median_dimension, share(summary.noise_limited),
-      share(summary.not_fractal));
+      share(summary.not_fractal), share(summary.anisotropic));
 }
 
 }  // namespace scree::node

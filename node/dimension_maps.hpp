@@ -18,10 +18,10 @@ struct MapsSummary {
   double cell_m = 0.0;
   int window_cells = 0;  ///< side of the square window
   int rows = 0, columns = 0;
-  std::size_t known_cells = 0;                                          ///< with a height
-  std::size_t dimension_cells = 0;                                      ///< with a D
-  double median_dimension = 0.0;                                        ///< NaN without any
-  std::size_t too_little_data = 0, noise_limited = 0, not_fractal = 0;  ///< cells flagged so
+  std::size_t known_cells = 0;                                                           ///< with a height
+  std::size_t dimension_cells = 0;                                                       ///< with a D
+  double median_dimension = 0.0;                                                         ///< NaN without any
+  std::size_t too_little_data = 0, noise_limited = 0, not_fractal = 0, anisotropic = 0;  ///< cells flagged so
 };
 
 /// The radius of the smallest window of whole cells, odd in number, that is not narrower than `window_m`, at most the
@@ -30,7 +30,8 @@ Result<int> window_radius(const SurveyGrid& grid, double window_m);
 
 /// DimensionMapper over the whole grid, in strips of rows that fit into memory: the same values as in one piece, up to
 /// rounding.
-fractal::DimensionMap map_dimension(const SurveyGrid& grid, int radius_cells, Executor& executor);
+fractal::DimensionMap map_dimension(const SurveyGrid& grid, int radius_cells, Executor& executor,
+                                    int strip_cells = 1 << 21);
 
 /// BASE.dimension.EXT, BASE.dimension_sigma.EXT, BASE.amplitude.EXT (NaN = too little data) and
 /// BASE.dimension_flags.EXT (sums of DimensionFlag). Errors: those of window_radius and LayerFiles::write.

@@ -63,7 +63,8 @@ std::vector<MapLayer> map_layers(const mapping::MapSnapshot& map) {
       {"hits", "returns in the cell", known_hits(map), {ColourMap::viridis, 0.0, {}, false}},
   };
   if (!map.dimension_flags.empty())
-    layers.push_back({"dimension_flags", "flags of D (bits)", known_flags(map), {ColourMap::viridis, 0.0, 15.0, false}});
+    layers.push_back(
+        {"dimension_flags", "flags of D (bits)", known_flags(map), {ColourMap::viridis, 0.0, 15.0, false}});
   return layers;
 }
 
