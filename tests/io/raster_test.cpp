@@ -96,6 +96,25 @@ TEST(Raster, GeoTiffReadsBackBitForBitWithOblongCellsAndHoles) {
   }
 }
 
+TEST(Raster, CoordinateSystemSurvivesACopy) {
+  const auto first = scratch("crs_1.tif"), second = scratch("crs_2.tif");
+  Raster raster{Grid<float>(3, 4, 1.0F), 500000.0, 4.0e6, 10.0, 10.0};
+  raster.crs_wkt =
+      R"(PROJCS["UTM 11",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+      R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],)"
+      R"(PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",-117],PARAMETER["scale_factor",0.9996],)"
+      R"(PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1]])";
+  const auto written = write_geotiff(first, raster);
+  SKIP_WITHOUT_GDAL(written);
+  ASSERT_TRUE(written) << written.error().message;
+  const auto copy = read_raster(first);
+  ASSERT_TRUE(copy) << copy.error().message;
+  EXPECT_NE(copy->crs_wkt.find("Transverse_Mercator"), std::string::npos) << copy->crs_wkt;
+  EXPECT_FALSE(copy->geographic);
+  ASSERT_TRUE(write_geotiff(second, *copy));
+  EXPECT_EQ(read_raster(second)->crs_wkt, copy->crs_wkt);
+}
+
 TEST(Raster, DegreesAreToldFromMetresWithoutCrs) {
   const auto degrees = read_raster(write_text(
       "d.asc",
