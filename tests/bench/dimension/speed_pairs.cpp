@@ -2,7 +2,6 @@
 // with the same flags.
 
 #include <array>
-#include <numeric>
 
 #include "core/executor.hpp"
 #include "node/worker_pool.hpp"
@@ -89,15 +88,8 @@ void pair_speeds(std::size_t count) {
   const int last_lag = static_cast<int>(std::sqrt(static_cast<double>(count)) / 4.0);
   const Annuli uniform = uniform_annuli(1.0, last_lag), geometric = geometric_annuli(1.0, std::sqrt(2.0), last_lag);
   const bool large = count > 20000;
-  Survey rows = survey;
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return survey.y[a] < survey.y[b]; });
-  for (std::size_t i = 0; i < count; ++i)
-    rows.x[i] = survey.x[order[i]], rows.y[i] = survey.y[order[i]], rows.z[i] = survey.z[order[i]];
   std::vector<PairSums> check;
-  const auto naives = times_of({[&] { check = naive(survey, last_lag); }, [&] { check = naive(rows, last_lag); }});
-  const Time base = naives[0];
+  const Time base = times_of({[&] { check = naive(survey, last_lag); }})[0];
   print_text(
       fmt::format("\n| N = {}, lags 1 … {} | CPU ms | wall ms | naive CPU / CPU | target | |\n|---|---|---|---|---|---|"
                   "\n| naive loop | {:.1f} | {:.1f} | 1 | | |",
@@ -112,7 +104,6 @@ void pair_speeds(std::size_t count) {
   const auto call = [&](const Annuli& annuli, const PairOptions& options, Executor& executor) {
     if (!structure_function(points, annuli, options, executor)) std::exit(70);
   };
-  print("same, points sorted by rows", naives[1], 0.0);
   SerialExecutor serial;
   node::WorkerPool pool(2);
   const std::jthread worker([&](const std::stop_token& stop) { pool.work(stop); });
