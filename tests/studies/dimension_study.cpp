@@ -4,20 +4,14 @@
 #include <array>
 #include <optional>
 
+#include "tests/studies/dimension_inputs.hpp"
 #include "tests/studies/study.hpp"
-#include "tests/support/depth_recording.hpp"
 
 namespace {
 
 using namespace scree;
 using namespace scree::study;
 using Json = nlohmann::json;
-
-struct Input {
-  std::string name;
-  fs::path path;
-  std::vector<std::string> options;
-};
 
 /// The tool's JSON, or why it refused.
 struct Answer {
@@ -90,57 +84,26 @@ void print_answer(const Input& input, const Answer& answer) {
   for (const auto& option : input.options) options.append(options.empty() ? "" : " ").append(option);
   std::printf("| %s | %s |", input.name.c_str(), options.c_str());
   if (!answer.json) {
-    std::printf(" refused | | | | | |\n");
+    std::printf(" refused | | | | | | | |\n");
     return;
   }
   const Json& json = *answer.json;
   const Json check = json.value("check", Json());
-  std::printf(" %zu | %s | %s | %s | %s at %s | %s; %s |\n", json.at("points").get<std::size_t>(),
+  const Json coarse = json.at("coarse_dimension");
+  const std::string part = coarse.is_number()
+                               ? number(coarse, "%.3f").append(", ").append(number(json.at("coarse_spacing_m"), "%.3g"))
+                               : std::string("–");
+  std::printf(" %zu | %s | %s | %s | %s | %s | %s | %s |\n", json.at("points").get<std::size_t>(),
               number(json.at("spacing_m"), "%.3g").c_str(), with_interval(json).c_str(),
-              check.is_object() ? with_interval(check).c_str() : "–",
-              number(json.at("coarse_dimension"), "%.3f").c_str(), number(json.at("coarse_spacing_m"), "%.3g").c_str(),
-              flags_of(json).c_str(), law_of(json).c_str());
+              number(json.at("noise_sigma_m"), "%.3g").c_str(), check.is_object() ? with_interval(check).c_str() : "–",
+              part.c_str(), law_of(json).c_str(), flags_of(json).c_str());
   std::fflush(stdout);
-}
-
-std::vector<Input> terrain(const fs::path& data) {
-  const std::vector<std::string> whole{"--noise-sigma-m", "0.289"};  // rounding to whole metres: 1/√12
-  const fs::path landlab = data / "landlab_dems", clouds = data / "libpointmatcher_clouds";
-  return {
-      {"Big Tujunga, SRTM 30 m", data / "bigtujunga_srtm30/srtm_bigtujunga30m_utm11.tif", {}},
-      {"", data / "bigtujunga_srtm30/srtm_bigtujunga30m_utm11.tif", whole},
-      {"Jacksboro fault, SRTM 74 × 92 m", data / "matplotlib_dems/jacksboro_fault_dem.asc", {}},
-      {"", data / "matplotlib_dems/jacksboro_fault_dem.asc", whole},
-      {"Colorado front range, SRTM 3″", landlab / "srtmgl3_colorado_front_range.asc", {}},
-      {"", landlab / "srtmgl3_colorado_front_range.asc", {"--geographic"}},
-      {"Bijou gully, 5 m, pits filled", landlab / "bijou_gully_5m.asc", {}},
-      {"West Bijou gully, 3 m", landlab / "west_bijou_gully_3m.asc", {}},
-      {"Runout slope, 10 m", landlab / "pre_runout_10m.asc", {}},
-      {"Lone Star, terrestrial laser", data / "pdal_lonestar_tls/lone-star_local_xyzi.bin", {}},
-      {"", data / "pdal_lonestar_tls/lone-star_local_xyzi.bin", {"--noise-sigma-m", "auto"}},
-      {"Car lidar, cloud 400", clouds / "car_cloud400.csv", {}},
-      {"", clouds / "car_cloud400.csv", {"--noise-sigma-m", "auto"}},
-      {"Car lidar, cloud 401", clouds / "car_cloud401.csv", {}},
-      {"Perceptron file, synthetic", data / "perceptron_SYNTHETIC/synthetic_msh.perc", {}},
-  };
-}
-
-/// Rooms, not ground: what the tool says when it is asked all the same.
-std::vector<Input> rooms(const fs::path& data, const fs::path& folder) {
-  std::vector<Input> inputs{{"Kinect, office", folder / "kinect", {}}};
-  test::write_kinect_recording(data / "rgbd_kinect_slambook2", folder / "kinect");
-  for (const std::string name : {"one_cloud", "hand"}) {
-    test::write_realsense_recording(data / "realsense_d435_bag" / (name + "_depth_z16_848x480.pgm"), folder / name);
-    inputs.push_back({"D435, " + name, folder / name, {}});
-  }
-  return inputs;
 }
 
 void print_head() {
   std::puts(
-      "| data | options | points | spacing, m | D, likelihood [95 %] | D, structure function | D of a part, at m | "
-      "flags; "
-      "law over all distances |\n|---|---|---|---|---|---|---|---|");
+      "| data | options | points | spacing, m | D [95 %] | noise, m | D, structure function [95 %] | D of a part, its "
+      "spacing | law over all distances: D [95 %], range | flags |\n|---|---|---|---|---|---|---|---|---|---|");
 }
 
 /// Random choices of the points: the likelihood rests on the shortest distances there are, so D of fewer points is D at
@@ -148,14 +111,19 @@ void print_head() {
 void print_spacings(const std::string& scree, const fs::path& data) {
   constexpr std::array kCounts = {"100000", "20000", "5000", "2000", "1000", "400"};
   std::puts(
-      "\n| D [95 %] at a mean spacing of m | 100,000 points | 20,000 | 5000 | 2000 | 1000 | 400 "
-      "|\n|---|---|---|---|---|---|---|");
+      "\n| | first straight part of the log–log plot: D [95 %], m | likelihood at a mean spacing of m: 100,000 points "
+      "| "
+      "20,000 | 5000 | 2000 | 1000 | 400 |\n|---|---|---|---|---|---|---|---|");
   for (const Input& input : terrain(data)) {
     if (input.name.empty()) continue;
-    Input coarse = input;
+    Input raw = input, coarse = input;
+    if (input.name.find("Colorado") != std::string::npos) raw.options = {"--geographic"};
     if (input.name.find("SRTM") != std::string::npos) coarse.options = {"--noise-sigma-m", "0.289"};
     if (input.name.find("Colorado") != std::string::npos) coarse.options.emplace_back("--geographic");
-    std::printf("| %s |", input.name.c_str());
+    const Answer line = ask(scree, raw, {"--method", "pentland", "--segment", "polyline"});
+    const std::string straight =
+        line.json ? with_interval(*line.json).append(", ").append(range(line.json->at("scale_range_m"))) : "–";
+    std::printf("| %s | %s |", input.name.c_str(), straight.c_str());
     for (const char* count : kCounts) {
       const Answer answer = ask(scree, coarse, {"--max-points", count});
       if (!answer.json || answer.json->at("points").get<std::size_t>() * 11 < std::stoul(count) * 10)
@@ -191,6 +159,9 @@ int main(int argc, char** argv) {
     }
   };
   print_all(terrain(data));
+  std::puts("\nParts and changes of them:\n");
+  print_head();
+  print_all(derived(data, temporary.path()));
   std::puts("\nNot ground:\n");
   print_head();
   print_all(rooms(data, temporary.path()));
