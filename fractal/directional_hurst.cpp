@@ -1,5 +1,6 @@
 #include "fractal/directional_hurst.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -84,21 +85,57 @@ double expected_energy(const IsotropicLaw& law, int dx, int dy) {
   return law.c_m2 * (4.0 * gamma(1) - gamma(2) - 3.0 * gamma(0));
 }
 
-std::array<Line, kAzimuthCount> azimuth_lines(const std::vector<OffsetEnergy>& offsets, const IsotropicLaw& law) {
-  std::array<Line, kAzimuthCount> lines;
+/// One offset's energy over what the isotropic law expects.
+struct Ratio {
+  double weight, log_lag, log_ratio, angle_rad;
+};
+
+std::vector<Ratio> ratios(const std::vector<OffsetEnergy>& offsets, const IsotropicLaw& law) {
+  std::vector<Ratio> out;
   for (const OffsetEnergy& at : offsets) {
     if (at.triples < kMinTriples) continue;
-    const double energy = at.sum_m2 / at.triples - 6.0 * law.noise_m2;
+    const double mean = at.sum_m2 / at.triples, energy = mean - 6.0 * law.noise_m2;
     if (!(energy > 0.0)) continue;
-    const double lag = std::hypot(at.dx, at.dy);
-    const double share = energy / (at.sum_m2 / at.triples);  // what the noise takes away it makes uncertain
-    const double weight = share * share * at.triples / (lag * lag * lag);
-    const double ratio = std::log(energy / expected_energy(law, at.dx, at.dy));
-    const double azimuth = std::atan2(at.dy, at.dx) * (kAzimuthCount / std::numbers::pi);
+    const double lag = std::hypot(at.dx, at.dy), share = energy / mean;  // what noise takes away it makes uncertain
+    out.push_back({share * share * at.triples / (lag * lag * lag), std::log(lag),
+                   std::log(energy / expected_energy(law, at.dx, at.dy)), std::atan2(at.dy, at.dx)});
+  }
+  return out;
+}
+
+/// Takes what depends on the angle alone off the logarithms: a + b·ln |o| + two harmonics, by weighted least squares.
+/// Within a sector the angles on a lattice change with the length, and C(θ) would pass for a slope.
+void remove_amplitude_by_angle(std::vector<Ratio>& ratios) {
+  constexpr int kTerms = 6;
+  using Terms = Eigen::Matrix<double, kTerms, 1>;
+  const auto terms = [](const Ratio& r) {
+    Terms t;
+    t << 1.0, r.log_lag, std::cos(2.0 * r.angle_rad), std::sin(2.0 * r.angle_rad), std::cos(4.0 * r.angle_rad),
+        std::sin(4.0 * r.angle_rad);
+    return t;
+  };
+  Eigen::Matrix<double, kTerms, kTerms> normal = decltype(normal)::Zero();
+  Terms right = Terms::Zero();
+  for (const Ratio& r : ratios) {
+    const Terms t = terms(r);
+    normal += r.weight * t * t.transpose();
+    right += r.weight * r.log_ratio * t;
+  }
+  const Eigen::LDLT<decltype(normal)> factor(normal);
+  if (ratios.size() < 2 * kTerms || !(factor.rcond() > 1e-9)) return;
+  Terms fit = factor.solve(right);
+  fit.head<2>().setZero();  // level and slope stay
+  for (Ratio& r : ratios) r.log_ratio -= fit.dot(terms(r));
+}
+
+std::array<Line, kAzimuthCount> azimuth_lines(const std::vector<Ratio>& ratios) {
+  std::array<Line, kAzimuthCount> lines;
+  for (const Ratio& r : ratios) {
+    const double azimuth = r.angle_rad * (kAzimuthCount / std::numbers::pi);
     for (int i = 0; i < kAzimuthCount; ++i) {
-      const double apart = std::abs(azimuth - i),
-                   nearness = 1.0 - std::min(apart, kAzimuthCount - apart) / kSectorAzimuths;
-      if (nearness > 0.0) lines[static_cast<std::size_t>(i)].add(nearness * weight, std::log(lag), ratio);
+      const double apart = std::abs(azimuth - i);
+      const double nearness = 1.0 - std::min(apart, kAzimuthCount - apart) / kSectorAzimuths;
+      if (nearness > 0.0) lines[static_cast<std::size_t>(i)].add(nearness * r.weight, r.log_lag, r.log_ratio);
     }
   }
   return lines;
@@ -123,7 +160,9 @@ DirectionalHurst directional_hurst(const MaskedHeights& heights, const Isotropic
   executor.for_ranges(static_cast<int>(offsets.size()), [&](int begin, int end) {
     for (int i = begin; i < end; ++i) measure(heights, row_stride, offsets[static_cast<std::size_t>(i)]);
   });
-  const auto lines = azimuth_lines(offsets, law);
+  std::vector<Ratio> log_ratios = ratios(offsets, law);
+  remove_amplitude_by_angle(log_ratios);
+  const auto lines = azimuth_lines(log_ratios);
   double sum = 0.0;
   for (std::size_t i = 0; i < lines.size(); ++i) sum += out.hurst[i] = law.hurst + 0.5 * lines[i].slope();
   const auto [low, high] = std::minmax_element(out.hurst.begin(), out.hurst.end());

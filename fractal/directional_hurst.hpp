@@ -33,7 +33,8 @@ int azimuth_lag_cells(int rows, int columns, double known_cells);
 /// For every offset o up to max_lag_cells, the mean of [z(p − o) − 2 z(p) + z(p + o)]² over all complete triples, less
 /// its noise, over what `law` expects; H(θ) = law.hurst + half the slope of the logarithm of this ratio against ln |o|.
 /// An offset counts for the azimuths within 30°, falling off linearly, with weight triples/|o|³ (offsets of one length
-/// are not independent, and there are more of the long ones).
+/// are not independent, and there are more of the long ones). What depends on the angle alone is fitted beforehand, by
+/// two harmonics, and taken off: a stretch changes C(θ), not H(θ).
 /// Exact for power laws at centre points: the expectation along θ is (4 − 4^H(θ))·C(θ)·|o|^(2H(θ)). Second differences
 /// and not pairs, because a tilt has no place in them. Lattices of more than 2^18 cells are sampled by rows.
 /// Cost: 1.6·max_lag² triples a cell. Source: [X09] section 3, with all directions measured over the whole surface.

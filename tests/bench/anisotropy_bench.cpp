@@ -105,7 +105,7 @@ BENCHMARK(test_ridges)->ArgsProduct({{21, 41, 64, 128}, {30, 40}})->Iterations(1
 /// The table of fractal/azimuth_null.cpp: run with --benchmark_filter=null and copy the counter V95. args: side, 100·H.
 void null(benchmark::State& state) {
   const int side = static_cast<int>(state.range(0));
-  run(state, {.hurst = static_cast<double>(state.range(1)) / 100.0, .side = side}, side > 100 ? 400 : 2000);
+  run(state, {.hurst = static_cast<double>(state.range(1)) / 100.0, .side = side}, side > 100 ? 300 : 1000);
 }
 BENCHMARK(null)
     ->ArgsProduct({{16, 20, 28, 40, 64, 100, 160, 256}, {10, 30, 50, 70, 90}})
