@@ -9,6 +9,7 @@
 #include "io/picture.hpp"
 #include "io/raster.hpp"
 #include "tests/integration/hand_made.hpp"
+#include "tests/integration/live_node.hpp"
 #include "tests/integration/scree.hpp"
 
 namespace scree::test {
@@ -37,8 +38,10 @@ TEST(ReplayOptions, StartAndDurationChooseFramesByDataTime) {
 TEST(ReplayOptions, LoopGoesRoundUntilSigintAndDropsNothing) {
   const TemporaryFolder folder;
   const auto recording = make_depth_recording(folder / "drive", every(0.05, 6));
-  Process node(command(replay(recording.string(), {"--loop", "--json"})));
-  ASSERT_TRUE(node.wait_for_text("info frames")) << node.err();  // one second: 20 frames
+  Ear ear;
+  Process node(
+      command(replay(recording.string(), {"--loop", "--json", "--set", "publish.destination=" + ear.address()})));
+  ASSERT_TRUE(ear.until([&] { return ear->frames_in() > 12; })) << node.err();  // the third time round
   node.signal(SIGINT);
   const auto finished = node.wait(std::chrono::seconds(60));
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
