@@ -56,7 +56,7 @@ double GroundLaw::spectrum(double omega) const {
     value += first.square * spectral_constant(first.hurst) * std::pow(omega2 + corner2, -first.hurst - 1.0);
   if (second.square > 0.0)
     value += second.square * spectral_constant(second.hurst) * std::pow(omega2, -second.hurst - 1.0);
-  return blur > 0.0 ? value * std::exp(-blur * blur * omega2) : value;
+  return value;
 }
 
 }  // namespace scree::fractal

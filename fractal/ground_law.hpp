@@ -27,7 +27,7 @@ struct GroundLaw {
   double variogram(double d) const;
   /// What displaced places look like: white noise of half of variogram(0), beside a smooth rest.
   double white_variance() const { return noise_variance + 0.5 * variogram(0.0); }
-  /// Spectral density of the rest at angular frequency ω: variogram(d) − variogram(0) = 2/(2π)²·∫ f·(1 − cos ω·d) dω.
+  /// Spectral density of the ground at angular frequency ω: variogram(d) = 2/(2π)²·∫ f·(1 − e^(−blur²ω²) cos ω·d) dω.
   /// The plateau's is that of a Matérn field with the same short lags and the same variance.
   double spectrum(double omega) const;
 };

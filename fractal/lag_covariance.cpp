@@ -1,7 +1,6 @@
 #include "fractal/lag_covariance.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,7 +15,7 @@ constexpr double kPlaneReach = 0.75;
 constexpr int kLevelCells = 12;  // nodes along an axis of a dyadic square of frequencies
 constexpr int kPlaneNodes = 180;
 constexpr double kHighest = 60.0;       // highest frequency in the plane, over the shortest lag
-constexpr double kExactOffsets = 64.0;  // cells: annuli up to here are summed offset by offset
+constexpr double kExactOffsets = 48.0;  // cells: annuli up to here are summed offset by offset
 constexpr int kAliases = 3;
 constexpr int kAngles = 16;
 
@@ -45,22 +44,49 @@ void LagModel::Nodes::add(double x, double y, double w) {
 }
 
 LagModel::LagModel(const LagStatistics& statistics) : statistics_(statistics), plane_(statistics) {
-  if (statistics.cell > 0.0)
+  const double cell = statistics.cell;
+  std::vector<Offsets> offsets;
+  if (cell > 0.0) {
     place_lattice_nodes();
-  else
+    for (const Lag& lag : statistics.lags) offsets.push_back(offsets_of(lag, cell));
+  } else {
     place_plane_nodes();
+  }
   const auto count = static_cast<Eigen::Index>(nodes_.weight.size());
   symbols_.resize(count, lags());
+  std::vector<double> cos_x(static_cast<std::size_t>(kExactOffsets) + 2), cos_y(cos_x.size());
   for (Eigen::Index n = 0; n < count; ++n) {
     const auto at = static_cast<std::size_t>(n);
-    const double x = nodes_.omega_x[at], y = nodes_.omega_y[at];
-    const double left =
-        std::sqrt(nodes_.weight[at]) * above_plane(kPlaneReach * 0.5 * statistics.side * std::hypot(x, y));
+    const double x = nodes_.omega_x[at], y = nodes_.omega_y[at], omega = std::hypot(x, y);
+    const double left = std::sqrt(nodes_.weight[at]) * above_plane(kPlaneReach * 0.5 * statistics.side * omega);
+    const double sharp = std::exp(-statistics.blur * statistics.blur * omega * omega);
+    for (std::size_t k = 0; k < cos_x.size() && cell > 0.0; ++k)
+      cos_x[k] = std::cos(static_cast<double>(k) * cell * x), cos_y[k] = std::cos(static_cast<double>(k) * cell * y);
     for (Eigen::Index l = 0; l < lags(); ++l) {
-      const Lag& lag = statistics.lags[static_cast<std::size_t>(l)];
-      symbols_(n, l) = left * symbol(lag, x, y);
+      const auto lag = static_cast<std::size_t>(l);
+      const auto& annulus = statistics.lags[lag];
+      const bool exact = cell > 0.0 && !offsets[lag].quadrant.empty();
+      const double symbol =
+          exact ? lattice_symbol(offsets[lag], cos_x, cos_y) : annulus_symbol(annulus.inner, annulus.outer, omega);
+      symbols_(n, l) = left * (2.0 + (symbol - 2.0) * sharp);
     }
   }
+}
+
+/// None where they are so many that their mean is that of the whole annulus.
+LagModel::Offsets LagModel::offsets_of(const Lag& lag, double cell) {
+  Offsets out;
+  if (lag.outer > kExactOffsets * cell) return out;
+  const int reach = static_cast<int>(lag.outer / cell) + 1;
+  for (int y = 0; y <= reach; ++y)
+    for (int x = 0; x <= reach; ++x) {
+      const double d = cell * std::hypot(x, y);
+      if (d < lag.inner || d >= lag.outer) continue;
+      const double images = (x > 0 ? 2.0 : 1.0) * (y > 0 ? 2.0 : 1.0);
+      out.quadrant.push_back({static_cast<std::size_t>(x), static_cast<std::size_t>(y), images});
+      out.count += images;
+    }
+  return out;
 }
 
 /// Squares of half the size each, down to waves that are longer than the survey; an eighth of each.
@@ -90,26 +116,11 @@ void LagModel::place_plane_nodes() {
   }
 }
 
-double LagModel::symbol(const Lag& lag, double omega_x, double omega_y) const {
-  const double cell = statistics_.cell;
-  if (cell <= 0.0 || lag.outer > kExactOffsets * cell)
-    return annulus_symbol(lag.inner, lag.outer, std::hypot(omega_x, omega_y));
-  std::array<double, static_cast<int>(kExactOffsets) + 2> cos_x{}, cos_y{};
-  const int reach = static_cast<int>(lag.outer / cell) + 1;
-  for (int k = 0; k <= reach; ++k) {
-    cos_x[static_cast<std::size_t>(k)] = std::cos(k * cell * omega_x);
-    cos_y[static_cast<std::size_t>(k)] = std::cos(k * cell * omega_y);
-  }
-  double sum = 0.0, count = 0.0;
-  for (int y = 0; y <= reach; ++y)
-    for (int x = 0; x <= reach; ++x) {
-      const double d = cell * std::hypot(x, y);
-      if (d < lag.inner || d >= lag.outer) continue;
-      const double images = (x > 0 ? 2.0 : 1.0) * (y > 0 ? 2.0 : 1.0);
-      sum += images * cos_x[static_cast<std::size_t>(x)] * cos_y[static_cast<std::size_t>(y)];
-      count += images;
-    }
-  return 2.0 * (1.0 - sum / count);
+/// 2·(1 − mean of cos ω·u) over the offsets of an annulus of a lattice; cosines of multiples of ω are given.
+double LagModel::lattice_symbol(const Offsets& offsets, std::span<const double> cos_x, std::span<const double> cos_y) {
+  double sum = 0.0;
+  for (const auto& [x, y, images] : offsets.quadrant) sum += images * cos_x[x] * cos_y[y];
+  return 2.0 * (1.0 - sum / offsets.count);
 }
 
 /// f and its aliases; those far away are an integral over the rest of the plane.
@@ -141,7 +152,9 @@ Eigen::VectorXd LagModel::expected(const GroundLaw& law) const {
   const Eigen::VectorXd change = variogram(law);
   Eigen::VectorXd out = (plane_.weights * change).array() + 2.0 * slope_excess(change);
   for (Eigen::Index l = 0; l < lags(); ++l) {
-    const double own = law.variogram(statistics_.lags[static_cast<std::size_t>(l)].distance);
+    const Lag& lag = statistics_.lags[static_cast<std::size_t>(l)];
+    const double apart = std::exp(lag.spread);  // the mean over the annulus to third order in its width
+    const double own = 0.5 * (law.variogram(lag.distance * apart) + law.variogram(lag.distance / apart));
     out[l] = std::max(own + out[l], 1e-3 * own) + 2.0 * law.noise_variance;
   }
   return out;

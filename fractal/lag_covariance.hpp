@@ -2,6 +2,7 @@
 // Means and covariances of the logarithms of a structure function under a law of the ground.
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "fractal/ground_law.hpp"
@@ -10,8 +11,8 @@
 
 namespace scree::fractal {
 
-/// The structure function at lag l is a quadratic form of the heights with symbol F_l(ω) = 2·mean(1 − cos ω·u) over the
-/// offsets u of its annulus, so for stationary increments with spectrum f
+/// The structure function at lag l is a quadratic form of the heights with symbol F_l(ω) = 2·mean(1 − b·cos ω·u) over
+/// the offsets u of its annulus (b = e^(−blur²ω²): displaced places), so for stationary increments with spectrum f
 ///   cov(S_l, S_m) = 2/(2π)²/area·∫ f²·F_l·F_m dω,
 /// a Gram matrix, hence positive: over the first zone of a lattice with f folded into it, or over the plane for
 /// scattered points, where pairs that share a point or both add what the plane's integral leaves out. Waves longer than
@@ -34,7 +35,16 @@ class LagModel {
   };
   void place_lattice_nodes();
   void place_plane_nodes();
-  double symbol(const Lag& lag, double omega_x, double omega_y) const;
+  struct Offset {
+    std::size_t x, y;  ///< cells, 0 or more
+    double images;     ///< how many offsets mirrored to all quadrants
+  };
+  struct Offsets {
+    std::vector<Offset> quadrant;
+    double count = 0.0;
+  };
+  static Offsets offsets_of(const Lag& lag, double cell);
+  static double lattice_symbol(const Offsets& offsets, std::span<const double> cos_x, std::span<const double> cos_y);
   double folded_spectrum(const GroundLaw& law, double omega_x, double omega_y) const;
   Eigen::VectorXd variogram(const GroundLaw& law) const;
   double slope_excess(const Eigen::VectorXd& variogram) const;

@@ -5,9 +5,9 @@
 namespace scree::fractal {
 namespace {
 
-constexpr double kRidge = 1e-3;
+constexpr double kRidge = 2e-4;
 // Displaced places turn the slopes of the ground at hand into noise that is not the same everywhere.
-constexpr double kBlurRidge = 0.04;
+constexpr double kBlurRidge = 0.01;
 
 }  // namespace
 
@@ -23,6 +23,11 @@ void LagFit::weigh(const LagModel& model, const GroundLaw& law) {
   observed_ = log_square_ + 0.5 * covariance.diagonal();
   covariance.diagonal() *= 1.0 + kRidge + kBlurRidge * std::min(1.0, blur_ * blur_);
   root_.compute(covariance);
+  // Ground that is all but a plane: nearly nothing is left of it, and its errors are all alike.
+  for (double ridge = 1e-3; root_.info() != Eigen::Success && ridge < 10.0; ridge *= 10.0) {
+    covariance.diagonal() *= 1.0 + ridge;
+    root_.compute(covariance);
+  }
 }
 
 }  // namespace scree::fractal

@@ -18,7 +18,7 @@ constexpr double kMostLatticeCells = 8e6;  // .4 GB of transforms
 constexpr double kThinningDensity = 8.0;
 constexpr double kLeastPairs = 20.0;
 constexpr std::size_t kLeastAnnuli = 4;
-constexpr Eigen::Index kSample = 400;
+constexpr int kSampleSquares = 24;  // along an axis
 
 Error bad(std::string message) {
   return {ErrorKind::bad_data, "structure function: " + std::move(message)};
@@ -91,6 +91,45 @@ Route route_for(double points, double cell, double longest, std::uint64_t seed) 
   return route;
 }
 
+/// The first point in each square of the bounding box; their order is random.
+void take_sample(const std::vector<VecchiaPoint>& points, LagStatistics& out) {
+  const auto [x0, x1] = std::minmax_element(points.begin(), points.end(), [](auto& a, auto& b) { return a.x < b.x; });
+  const auto [y0, y1] = std::minmax_element(points.begin(), points.end(), [](auto& a, auto& b) { return a.y < b.y; });
+  const double square = std::max(x1->x - x0->x, y1->y - y0->y) / (kSampleSquares - 1e-6);
+  std::vector<const VecchiaPoint*> first(kSampleSquares * kSampleSquares);
+  std::vector<double> counts(first.size());
+  for (const auto& p : points) {
+    const auto row = static_cast<std::size_t>((p.y - y0->y) / square),
+               column = static_cast<std::size_t>((p.x - x0->x) / square);
+    const std::size_t at = row * kSampleSquares + column;
+    if (first[at] == nullptr) first[at] = &p;
+    counts[at] += 1.0;
+  }
+  const auto taken = static_cast<Eigen::Index>(first.size()) - std::count(first.begin(), first.end(), nullptr);
+  out.sample.resize(taken, 2);
+  out.sample_weights.resize(taken);
+  for (Eigen::Index i = 0, at = 0; i < taken; ++at) {
+    const auto square_at = static_cast<std::size_t>(at);
+    if (first[square_at] == nullptr) continue;
+    out.sample.row(i) << first[square_at]->x, first[square_at]->y;
+    out.sample_weights[i++] = counts[square_at];
+  }
+}
+
+/// Standard deviation of log distances in an annulus: evenly filled, or by the offsets of a lattice.
+double spread_of(double inner, double outer, double cell) {
+  if (cell <= 0.0 || outer > 40.0 * cell) return std::log(outer / inner) / std::sqrt(12.0);
+  double count = 0.0, sum = 0.0, sum2 = 0.0;
+  const int reach = static_cast<int>(outer / cell) + 1;
+  for (int y = 0; y <= reach; ++y)
+    for (int x = 1; x <= reach; ++x) {
+      const double d = cell * std::hypot(x, y);
+      if (d < inner || d >= outer) continue;
+      count += 1.0, sum += std::log(d), sum2 += std::log(d) * std::log(d);
+    }
+  return count > 0.0 ? std::sqrt(std::max(0.0, sum2 / count - sum * sum / (count * count))) : 0.0;
+}
+
 /// Share of a cell's nearest lattice neighbours that are known.
 double lattice_fill(const Lag& first, double points, double cell) {
   int neighbours = 0;
@@ -106,7 +145,8 @@ void gather(const StructureFunction& sums, const Route& route, LagStatistics& ou
   for (int i = 0; i < sums.annuli.count; ++i) {
     const PairSums& sum = sums.sums[static_cast<std::size_t>(i)];
     if (sum.count < kLeastPairs || !(sum.square_m2 > 0.0)) continue;
-    out.lags.push_back({sums.annuli.inner_m(i), sums.annuli.outer_m(i), std::exp(sum.log_m / sum.count),
+    const double inner = sums.annuli.inner_m(i), outer = sums.annuli.outer_m(i);
+    out.lags.push_back({inner, outer, std::exp(sum.log_m / sum.count), spread_of(inner, outer, out.cell),
                         std::log(sum.square_m2 / sum.count), sum.count, route.points_at(sums.annuli.distance_m(i))});
   }
 }
@@ -145,9 +185,7 @@ Result<LagStatistics> lag_statistics(const SurveyPoints& survey, const LagOption
                            kLeastAnnuli, kLeastPairs, longest * out.spacing_m, out.lags.size()));
   if (out.cell > 0.0) out.fill = lattice_fill(out.lags.front(), count, out.cell);
   if (out.fill > 0.0) out.side = out.cell * std::sqrt(count / out.fill);
-  out.sample.resize(std::min(kSample, static_cast<Eigen::Index>(points.size())), 2);
-  for (Eigen::Index i = 0; i < out.sample.rows(); ++i)
-    out.sample.row(i) << points[static_cast<std::size_t>(i)].x, points[static_cast<std::size_t>(i)].y;
+  take_sample(points, out);
   return out;
 }
 

@@ -15,6 +15,7 @@ namespace scree::fractal {
 struct Lag {
   double inner = 0.0, outer = 0.0;
   double distance = 0.0;    ///< geometric mean over its pairs
+  double spread = 0.0;      ///< standard deviation of their log distances
   double log_square = 0.0;  ///< ln of the mean-square height change, the plane taken off
   double pairs = 0.0;
   double points = 0.0;  ///< that were looked at for it: fewer than all at long lags of large surveys
@@ -30,8 +31,10 @@ struct LagStatistics {
   double slope_noise = 0.0;     ///< variance that horizontal noise makes of the slope of the least-squares plane
   double blur = 0.0;            ///< horizontal noise, spacings
   std::size_t points = 0, duplicates = 0;
-  /// Places of a random part of the points, for what depends on the shape of the survey: x, y.
+  /// For what depends on the shape of the survey: one point (x, y) out of each of at most 576 squares, and how many
+  /// points it stands for.
   Eigen::MatrixX2d sample;
+  Eigen::VectorXd sample_weights;
 };
 
 struct LagOptions {

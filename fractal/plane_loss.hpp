@@ -13,7 +13,7 @@ namespace scree::fractal {
 ///   E(Δz − b·u)² = γ(u) − 2 E[Δz b]·u + uᵀE[b bᵀ]u,
 /// and b is linear in the heights, so the difference is a linear functional of the variogram γ for any ground: a matrix
 /// of weights, one row a lag, on the values of γ at fixed distances. The weights depend on where the points are and on
-/// nothing else; they are computed from a sample of at most 400.
+/// nothing else; they are computed from a sample.
 struct PlaneLoss {
   Eigen::VectorXd distances;  ///< where γ is wanted, spacings
   Eigen::MatrixXd weights;    ///< lags × distances

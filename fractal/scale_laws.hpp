@@ -17,7 +17,7 @@ namespace scree::fractal {
 enum class ScaleLaw {
   power,            ///< C·d^(2H)
   power_and_noise,  ///< C·d^(2H) + 2s²: noise beyond what is known
-  two_scales,       ///< C·d^(2H) + C₂·d^(2H₂), H < H₂: rough close by, smooth far off
+  two_scales,       ///< C·d^(2H) + C₂·d^(2H₂), .1 < H < H₂: rough close by, smooth far off
   plateau,          ///< P·(1 − exp(−(d/r0)^(2H))): no growth beyond some r0
 };
 std::string_view scale_law_name(ScaleLaw law);  ///< "power", "power_and_noise", "two_scales", "plateau"
@@ -27,11 +27,11 @@ struct ScaleLawFit {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   ScaleLaw law = ScaleLaw::power;
   int parameters = 2;
-  double chi_square = 0.0;          ///< of the fit, points − parameters degrees of freedom
-  double bic = 0.0;                 ///< chi_square + penalty·parameters: the smallest is chosen
-  double dimension = kNone;         ///< of the shortest scale: 3 − H
-  Interval interval95;              ///< of it, under this law
-  double amplitude_m = kNone;       ///< rms change over 1 m by the power law of the shortest scale
+  double chi_square = 0.0;     ///< of the fit, points − parameters degrees of freedom
+  double bic = 0.0;            ///< chi_square + ln(points)·(2, 4, 4.5 for 2, 3, 4 parameters): the smallest is chosen
+  double dimension = kNone;    ///< of the shortest scale: 3 − H
+  Interval interval95;         ///< of it, under this law
+  double amplitude_m = kNone;  ///< rms change over 1 m by the power law of the shortest scale
   double noise_sigma_m = kNone;     ///< power_and_noise: s, beyond the noise that is known
   double coarse_dimension = kNone;  ///< two_scales: 3 − H₂
   double crossover_m = kNone;       ///< two_scales: where both terms are equal; plateau: r0

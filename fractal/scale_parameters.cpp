@@ -7,6 +7,7 @@ namespace scree::fractal {
 namespace {
 
 constexpr double kLeastHurst = 0.005, kMostHurst = 0.995;
+constexpr double kRoughest = 0.1;
 
 double logit(double hurst) {
   const double share = (std::clamp(hurst, 0.02, 0.98) - kLeastHurst) / (kMostHurst - kLeastHurst);
@@ -38,7 +39,8 @@ GroundLaw ScaleParameters::ground(const Eigen::VectorXd& parameters) const {
   GroundLaw out;
   out.noise_variance = statistics_.noise_variance;
   out.blur = statistics_.blur;
-  const double h = hurst(parameters[kHurst]);
+  // Ground as rough as D > 2.9 that gives way to another is noise: the other law's.
+  const double h = std::max(hurst(parameters[kHurst]), law_ == ScaleLaw::two_scales ? kRoughest : 0.0);
   out.first = {std::exp(parameters[0]) * std::pow(middle_, -2.0 * h), h};
   if (law_ == ScaleLaw::power_and_noise) out.noise_variance += 0.5 * std::exp(parameters[2]);
   if (law_ == ScaleLaw::plateau) out.plateau_lag = std::exp(parameters[2]);

@@ -13,6 +13,8 @@ constexpr double kLeastHurst = 0.01, kMostHurst = 0.995;
 constexpr double kCoarseStep = 0.02;
 constexpr double kInterval = 3.841;  // 95 % of χ²(1)
 constexpr int kMaxRounds = 6;
+// Beyond it a plane is nearly all there is, and the few waves that are left have no Gaussian errors.
+constexpr double kSmoothestWeights = 0.93;
 constexpr double kSettled = 1e-3;  // of H between rounds
 constexpr double kHidden = 1e-3;   // ground's share of the mean-square change where noise hides it
 
@@ -136,7 +138,8 @@ Result<DimensionEstimate> estimate_dimension_structure(const SurveyPoints& surve
   Best best{.log_c = statistics->lags.front().log_square};
   for (int round = 0; round < kMaxRounds; ++round) {
     const double before = best.hurst;
-    profile.weigh(best.hurst, best.log_c);
+    const double hurst = std::min(best.hurst, kSmoothestWeights);
+    profile.weigh(hurst, round == 0 ? best.log_c : profile.at(hurst, best.log_c).log_c);
     best = search(profile, best.log_c);
     if (std::abs(best.hurst - before) < kSettled) break;
   }
