@@ -1,6 +1,7 @@
 #include "fractal/structure_dimension.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -103,10 +104,33 @@ double limit(const Profile& profile, const Best& best, double bound, bool& open)
   return 0.5 * (inside + outside);
 }
 
-DimensionEstimate describe(const Profile& profile, const Best& best, const LagStatistics& statistics) {
+/// H with as much likelihood above as below. The most likely H of smooth ground is often the bound itself; the median
+/// errs less, and is the same where the likelihood is symmetric.
+Best median_of(const Profile& profile, const Best& best, double low, double high) {
+  constexpr int kNodes = 60;
+  const double from = std::max(kLeastHurst, best.hurst - 2.0 * (best.hurst - low));
+  const double to = std::min(kMostHurst, best.hurst + 2.0 * (high - best.hurst));
+  std::array<double, kNodes> reached{};  // likelihood summed up to the end of each node
+  double weight = 0.0;
+  for (int k = 0; k < kNodes; ++k) {
+    const double hurst = from + (to - from) * (k + 0.5) / kNodes;
+    weight += std::exp(0.5 * (best.cost - profile.at(hurst, best.log_c).cost));
+    reached[static_cast<std::size_t>(k)] = weight;
+  }
+  const auto half = std::lower_bound(reached.begin(), reached.end(), 0.5 * weight) - reached.begin();
+  const double before = half > 0 ? reached[static_cast<std::size_t>(half) - 1] : 0.0;
+  const double within = (0.5 * weight - before) / (reached[static_cast<std::size_t>(half)] - before);
+  const double hurst = from + (to - from) * (static_cast<double>(half) + within) / kNodes;
+  const AtHurst there = profile.at(hurst, best.log_c);
+  return {hurst, there.log_c, there.cost};
+}
+
+DimensionEstimate describe(const Profile& profile, const Best& likeliest, const LagStatistics& statistics) {
   DimensionEstimate out;
   bool low_open = false, high_open = false;
-  const double low = limit(profile, best, kLeastHurst, low_open), high = limit(profile, best, kMostHurst, high_open);
+  const double low = limit(profile, likeliest, kLeastHurst, low_open);
+  const double high = limit(profile, likeliest, kMostHurst, high_open);
+  const Best best = median_of(profile, likeliest, low, high);
   out.dimension = 3.0 - best.hurst;
   out.interval95 = {high_open ? 2.0 : 3.0 - high, low_open ? 3.0 : 3.0 - low};
   if (high_open) out.flags |= kOpenBelow;

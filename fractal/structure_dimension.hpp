@@ -15,9 +15,10 @@ struct StructureDimensionOptions {
 /// Fits C·E|d + δ|^(2H) + 2s² (noise_sigma_m = s; δ, the displacement of one point against the other, from
 /// noise_xy_sigma_m) to the logarithms of the structure function, weighted with their covariance under that law. The
 /// least-squares plane is taken off, so that adding a plane changes nothing, and the model knows what that takes from
-/// the ground. The interval is where the fit is worse by 3.84 than at its best. 2.005 ≤ D ≤ 2.99.
+/// the ground. The interval is where the fit is worse by 3.84 than at its best; D is the
+/// median of its likelihood, which differs from the most likely D only near 2 or 3. 2.005 ≤ D ≤ 2.99.
 /// Errors, all bad_data: those of estimate_dimension_vecchia; fewer than four distances with 20 pairs or more. Noise
-/// that hides the ground is a flag. Cost: 20 – 100 ms, little of it depends on the number of points
+/// that hides the ground is a flag. Cost: 20 – 40 ms on one core, little of it depends on the number of points
 /// (docs/fractal.md). Source: [AK96] section 2.4 for the statistics; the model is described in docs/fractal.md.
 Result<DimensionEstimate> estimate_dimension_structure(const SurveyPoints& survey,
                                                        const StructureDimensionOptions& options, Executor& executor);
