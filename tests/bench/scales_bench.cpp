@@ -1,5 +1,5 @@
-// The structure function that knows its noise, and the choice among laws: times, and (BENCHMARK "accuracy…", "choice…")
-// errors and choices on exact surfaces. docs/fractal.md quotes it.
+// The structure function that knows its noise, and the choice among laws: times, and (BENCHMARK "accuracy…", "choice…",
+// "theory…") errors and choices on exact surfaces. docs/fractal.md quotes it.
 
 #include <algorithm>
 #include <array>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/random.hpp"
+#include "fractal/lag_fit.hpp"
 #include "fractal/scale_laws.hpp"
 #include "fractal/structure_dimension.hpp"
 #include "fractal/surface.hpp"
@@ -122,6 +123,45 @@ BENCHMARK_CAPTURE(choice, two_20_80, (Composite{ScaleLaw::two_scales, 0.2}))->Ar
 BENCHMARK_CAPTURE(choice, two_35_80, (Composite{ScaleLaw::two_scales, 0.35}))->Arg(100)->Iterations(1);
 BENCHMARK_CAPTURE(choice, noise_65, (Composite{ScaleLaw::power_and_noise, 0.65}))->Arg(100)->Iterations(1);
 BENCHMARK_CAPTURE(choice, plateau_65, (Composite{ScaleLaw::plateau, 0.65}))->Arg(100)->Iterations(1);
+
+/// Errors of ln S at the true law over surfaces, against the theory: ratio of standard deviations, smallest and largest
+/// over the lags; mean offset of S itself; mean chi-square a lag with the weights in use.
+void theory(benchmark::State& state, const Ground& ground) {
+  const double hurst = 3.0 - static_cast<double>(state.range(0)) / 100.0;
+  const auto surfaces = static_cast<int>(state.range(1));
+  scree::SerialExecutor serial;
+  Eigen::VectorXd sum, sum2, ratio, sigma;
+  double chi_square = 0.0;
+  for (auto _ : state)
+    for (int k = 0; k < surfaces; ++k) {
+      const Survey survey = survey_of(ground, 3.0 - hurst, static_cast<std::uint64_t>(k));
+      const auto statistics = *lag_statistics(survey.points(), {}, serial);
+      const LagModel model(statistics);
+      const double change = std::pow(statistics.spacing_m, hurst) / statistics.height_m;
+      const GroundLaw law{{change * change, hurst}, {}, 0.0, statistics.noise_variance, statistics.blur};
+      const Eigen::VectorXd expected = model.expected(law);
+      if (k == 0) sum = sum2 = ratio = Eigen::VectorXd::Zero(expected.size());
+      if (k == 0) sigma = model.covariance(law).diagonal().cwiseSqrt();
+      Eigen::VectorXd error(expected.size());
+      for (Eigen::Index l = 0; l < error.size(); ++l)
+        error[l] = statistics.lags[static_cast<std::size_t>(l)].log_square - std::log(expected[l]);
+      sum += error, sum2 += error.cwiseAbs2(), ratio += (error.array().exp() - 1.0).matrix() / surfaces;
+      LagFit fit(statistics);
+      fit.weigh(model, law);
+      chi_square += fit.residual(expected.array().log()).squaredNorm() / surfaces / static_cast<double>(error.size());
+    }
+  const Eigen::ArrayXd variance = (sum2.array() - sum.array().square() / surfaces) / (surfaces - 1);
+  const Eigen::ArrayXd against = variance.sqrt() / sigma.array();
+  state.counters["sd_ratio_least"] = against.minCoeff();
+  state.counters["sd_ratio_most"] = against.maxCoeff();
+  state.counters["offset_least"] = ratio.minCoeff();
+  state.counters["offset_most"] = ratio.maxCoeff();
+  state.counters["chi_square_a_lag"] = chi_square;
+}
+const std::vector<std::vector<std::int64_t>> kTheory{{220, 250, 280}, {100}};
+BENCHMARK_CAPTURE(theory, raster, (Ground{65536, 0.0, 0.0, 0.0}))->ArgsProduct(kTheory)->Iterations(1);
+BENCHMARK_CAPTURE(theory, points, Ground{})->ArgsProduct(kTheory)->Iterations(1);
+BENCHMARK_CAPTURE(theory, noise, (Ground{3277, 0.3, 0.0, 0.0}))->ArgsProduct(kTheory)->Iterations(1);
 
 void structure_dimension(benchmark::State& state) {
   scree::SerialExecutor serial;
