@@ -98,7 +98,7 @@ void choice(benchmark::State& state, const Composite& composite) {
   const auto surfaces = static_cast<int>(state.range(0));
   scree::SerialExecutor serial;
   std::array<double, 4> counts{};
-  double bias = 0.0, square = 0.0, right = 0.0, covered = 0.0;
+  double bias = 0.0, square = 0.0, right = 0.0, covered = 0.0, crossover = 0.0, crossover2 = 0.0;
   for (auto _ : state)
     for (int k = 0; k < surfaces; ++k) {
       const Raster raster = composite_raster(composite, 256, static_cast<std::uint64_t>(k));
@@ -106,6 +106,8 @@ void choice(benchmark::State& state, const Composite& composite) {
       counts[found.chosen] += 1.0;
       if (found.best().law != composite.truth) continue;
       const double truth = 3.0 - composite.hurst, error = truth - found.best().dimension;
+      const double off = std::log(found.best().crossover_m / composite.crossover);
+      crossover += off, crossover2 += off * off;
       right += 1.0, bias += error, square += error * error;
       if (found.best().interval95.low <= truth && truth <= found.best().interval95.high) covered += 1.0;
     }
@@ -115,6 +117,9 @@ void choice(benchmark::State& state, const Composite& composite) {
   state.counters["H_bias"] = bias / right;
   state.counters["H_rmse"] = std::sqrt(square / right);
   state.counters["coverage"] = covered / right;
+  if (composite.truth != ScaleLaw::two_scales) return;
+  state.counters["log_crossover_bias"] = crossover / right;
+  state.counters["log_crossover_rmse"] = std::sqrt(crossover2 / right);
 }
 BENCHMARK_CAPTURE(choice, power_2, (Composite{ScaleLaw::power, 0.2}))->Arg(100)->Iterations(1);
 BENCHMARK_CAPTURE(choice, power_5, (Composite{ScaleLaw::power, 0.5}))->Arg(100)->Iterations(1);
