@@ -20,7 +20,31 @@ constexpr int kRounds = 3;
 struct Fitted {
   LeastSquares at;
   GroundLaw ground;
+  Interval interval95;
 };
+
+/// 1.96 standard deviations either side of D. Of the logit of H, but where H is at its bound and the logit runs away:
+/// there of H itself, by what the fit loses a hundredth inside.
+template <class Residuals>
+Interval interval_of(const LeastSquares& at, const Residuals& residuals) {
+  constexpr double kReach = 1.959964, kRunsAway = 5.0, kInside = 0.01;
+  constexpr Eigen::Index kHurst = ScaleParameters::kHurst;
+  const double logit = at.parameters[kHurst], hurst = ScaleParameters::hurst(logit);
+  const auto deviation = [](const Eigen::MatrixXd& jacobian) {
+    const double variance = (jacobian.transpose() * jacobian).inverse()(kHurst, kHurst);
+    return variance > 0.0 ? std::sqrt(variance) : 50.0;
+  };
+  if (std::abs(logit) < kRunsAway) {
+    const double reach = kReach * deviation(at.jacobian);
+    return {3.0 - ScaleParameters::hurst(logit + reach), 3.0 - ScaleParameters::hurst(logit - reach)};
+  }
+  Eigen::VectorXd inside = at.parameters;
+  inside[kHurst] = ScaleParameters::logit(hurst - std::copysign(kInside, logit));
+  Eigen::MatrixXd jacobian = at.jacobian;
+  jacobian.col(kHurst) = (residuals(inside) - residuals(at.parameters)) / kInside;
+  const double reach = kReach * deviation(jacobian);
+  return {std::max(2.0, 3.0 - hurst - reach), std::min(3.0, 3.0 - hurst + reach)};
+}
 
 /// One survey's lags and the weights that all laws share.
 class Analysis {
@@ -38,8 +62,9 @@ class Analysis {
     for (const auto& start : parameters.starts())
       if (LeastSquares found = minimise(residuals, start); best.parameters.size() == 0 || found.cost < best.cost)
         best = std::move(found);
-    GroundLaw ground = parameters.ground(best.parameters);
-    return {std::move(best), ground};
+    const GroundLaw ground = parameters.ground(best.parameters);
+    const Interval interval = interval_of(best, residuals);
+    return {std::move(best), ground, interval};
   }
 
   double bic(const Fitted& fitted) const {
@@ -113,11 +138,7 @@ ScaleLawFit describe(const Fitted& fitted, ScaleLaw law, const LagStatistics& st
   out.dimension = 3.0 - ground.first.hurst;
   out.amplitude_m =
       std::sqrt(ground.first.square) * statistics.height_m * std::pow(statistics.spacing_m, -ground.first.hurst);
-  const Eigen::MatrixXd normal = fitted.at.jacobian.transpose() * fitted.at.jacobian;
-  const double variance = normal.inverse()(ScaleParameters::kHurst, ScaleParameters::kHurst);
-  const double reach = variance > 0.0 ? 1.959964 * std::sqrt(variance) : 50.0;
-  const double at = fitted.at.parameters[ScaleParameters::kHurst];
-  out.interval95 = {3.0 - ScaleParameters::hurst(at + reach), 3.0 - ScaleParameters::hurst(at - reach)};
+  out.interval95 = fitted.interval95;
   if (law == ScaleLaw::power_and_noise)
     out.noise_sigma_m = std::sqrt(ground.noise_variance - statistics.noise_variance) * statistics.height_m;
   if (law == ScaleLaw::two_scales) out.coarse_dimension = 3.0 - ground.second.hurst;

@@ -9,11 +9,6 @@ namespace {
 constexpr double kLeastHurst = 0.005, kMostHurst = 0.995;
 constexpr double kRoughest = 0.1;
 
-double logit(double hurst) {
-  const double share = (std::clamp(hurst, 0.02, 0.98) - kLeastHurst) / (kMostHurst - kLeastHurst);
-  return std::log(share / (1.0 - share));
-}
-
 Eigen::VectorXd vector_of(std::initializer_list<double> values) {
   Eigen::VectorXd out(static_cast<Eigen::Index>(values.size()));
   std::copy(values.begin(), values.end(), out.begin());
@@ -33,6 +28,11 @@ int ScaleParameters::count() const {
 
 double ScaleParameters::hurst(double logit) {
   return kLeastHurst + (kMostHurst - kLeastHurst) / (1.0 + std::exp(-logit));
+}
+
+double ScaleParameters::logit(double hurst) {
+  const double share = (std::clamp(hurst, 0.007, 0.993) - kLeastHurst) / (kMostHurst - kLeastHurst);
+  return std::log(share / (1.0 - share));
 }
 
 GroundLaw ScaleParameters::ground(const Eigen::VectorXd& parameters) const {

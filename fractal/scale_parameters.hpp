@@ -19,7 +19,8 @@ class ScaleParameters {
   int count() const;
   GroundLaw ground(const Eigen::VectorXd& parameters) const;
   static double hurst(double logit);
-  static constexpr int kHurst = 1;  ///< index of the logit of the shortest scale's H
+  static double logit(double hurst);  ///< its inverse within .007 … .993, the nearest of these outside
+  static constexpr int kHurst = 1;    ///< index of the logit of the shortest scale's H
   /// Slopes of thirds of the plot, turning points spread over it.
   std::vector<Eigen::VectorXd> starts() const;
 
