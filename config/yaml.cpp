@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <exception>
 #include <fmt/format.h>
+#include <optional>
+#include <sstream>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 namespace scree::config {
@@ -46,6 +49,34 @@ class Copier {
   int budget_ = kMaxNodes;
 };
 
+/// Counts documents and builds nothing.
+class DocumentCounter : public YAML::EventHandler {
+ public:
+  int count = 0;
+  YAML::Mark last;  ///< where the last one begins
+
+  void OnDocumentStart(const YAML::Mark& mark) override { ++count, last = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+/// Where a second document begins. Not by YAML::LoadAll, which makes documents without end, until no memory is left,
+/// of some malformed texts (a single comma: github.com/jbeder/yaml-cpp/issues/1040).
+std::optional<YAML::Mark> second_document(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentCounter counter;
+  while (counter.count < 2 && parser.HandleNextDocument(counter)) {
+  }
+  return counter.count < 2 ? std::nullopt : std::optional(counter.last);
+}
+
 }  // namespace
 
 Result<YamlNode> parse_yaml(std::string_view text, const std::string& name) {
@@ -55,13 +86,11 @@ Result<YamlNode> parse_yaml(std::string_view text, const std::string& name) {
   if (text.size() > kMaxBytes)
     return fail(1, 1, fmt::format("expected at most {} bytes of YAML, found {}", kMaxBytes, text.size()));
   try {
-    const auto documents = YAML::LoadAll(std::string(text));
-    if (documents.size() > 1) {
-      const auto mark = documents[1].Mark();
-      return fail(mark.line + 1, mark.column + 1, "expected one YAML document, found a second one");
-    }
+    const std::string owned(text);
+    if (const auto mark = second_document(owned))
+      return fail(mark->line + 1, mark->column + 1, "expected one YAML document, found more behind it");
     YamlNode root;
-    if (!documents.empty() && !Copier().copy(documents.front(), root, 0))
+    if (!Copier().copy(YAML::Load(owned), root, 0))
       return fail(1, 1, fmt::format("expected at most {} values in {} levels, found more", kMaxNodes, kMaxDepth));
     return root;
   } catch (const YAML::Exception& error) {

@@ -164,6 +164,12 @@ TEST(SettingsLoader, SyntaxErrorsAndSecondDocumentsAreFaults) {
   EXPECT_THAT(faults_of("- a\n- b\n"), HasSubstr("(top): expected a map of sections, found a list of 2"));
 }
 
+// A comma outside of brackets: yaml-cpp reads documents without end from it.
+TEST(SettingsLoader, StrayCommaIsAFault) {
+  for (const char* text : {",", "map: {cell_m: 0.1}\n,", ",map: {}"})
+    EXPECT_EQ(parse_settings(text, "x.yaml").error().kind, ErrorKind::bad_config) << text;
+}
+
 TEST(SettingsLoader, AliasBombIsRefused) {
   std::string text = "a0: &a0 [1,1,1,1,1,1,1,1,1,1]\n";
   for (int i = 1; i < 12; ++i)
