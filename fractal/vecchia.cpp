@@ -42,10 +42,12 @@ Result<DimensionEstimate> estimate_dimension_vecchia(const SurveyPoints& survey)
   const auto prepared = prepare_points(survey);
   if (!prepared) return prepared.error();
   DimensionEstimate out = describe(search_likelihood(*prepared), *prepared);
-  if (out.relative_noise > 0.5 * kMostTau) {  // amplitude 0 is as likely as any
+  const bool both_open = (out.flags & kOpenBelow) && (out.flags & kOpenAbove);
+  if (both_open || out.relative_noise > 0.5 * kMostTau) {  // no H is ruled out, or amplitude 0 is as likely as any
     out.dimension = out.sigma = out.amplitude_m = std::numeric_limits<double>::quiet_NaN();
     out.interval95 = {};
     out.flags |= kOpenBelow | kOpenAbove;
+    if (out.relative_noise > 0.0) out.flags |= kNoiseHides;
   }
   out.method = "vecchia";
   out.points = prepared->points.size();

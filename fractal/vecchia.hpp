@@ -12,7 +12,8 @@ namespace scree::fractal {
 /// (with noise_xy_sigma_m the slope of the plane counts, as it must). Independent of the order of the points. 2.005 ≤ D
 /// ≤ 2.99. Errors, all bad_data: spans of different lengths, a value that is not finite, a negative noise, fewer than
 /// kMinSurveyPoints places (kMinNoisePoints to estimate the noise), a noise both given and to be estimated, points on
-/// one line, heights on one plane. Noise that hides the ground is a flag, with D NaN. Cost: O(N log N) for the order,
+/// one line, heights on one plane. Noise that hides the ground, so that the interval is open at both ends, is a flag,
+/// with D and amplitude NaN. Cost: O(N log N) for the order,
 /// then about 2 µs a point without and 5 µs with noise, 15 µs with an unknown one, on one core (docs/fractal.md).
 /// Source: [V88], [SCW04] (REML); the lanes over H, the zoom and the search over τ are described in docs/fractal.md.
 Result<DimensionEstimate> estimate_dimension_vecchia(const SurveyPoints& survey);

@@ -85,6 +85,24 @@ TEST(VecchiaNoise, AloneSaysNothingOfDimension) {
   }
 }
 
+// Heights that are their noise and nothing else, and the noise told: any D with an amplitude small enough will do. What
+// the likelihood prefers among them is chance, so no value is given; a side that chance closes (5 %) may leave one.
+TEST(VecchiaNoise, KnownAndAllThereIsLeavesNoDimension) {
+  int hidden = 0;
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    Scattered survey = scattered_places(400, 40 + seed);
+    survey.z.assign(400, 0.0);
+    add_noise_and_tilt(survey, 1.0, 0.5, seed);
+    const DimensionEstimate found = *estimate_dimension_vecchia(survey.survey(1.0));
+    const bool open = (found.flags & kOpenBelow) && (found.flags & kOpenAbove);
+    hidden += open;
+    EXPECT_EQ(open, std::isnan(found.dimension)) << seed;
+    EXPECT_EQ(open, std::isnan(found.amplitude_m)) << seed;
+    EXPECT_TRUE(found.flags & kNoiseHides) << seed;
+  }
+  EXPECT_GE(hidden, 1);
+}
+
 TEST(VecchiaNoise, IsRefusedBelowAThousandPointsAndWhenGivenAsWell) {
   SurveyPoints few;
   const Scattered survey = rough_survey(999, 2.4, 35), enough = rough_survey(1000, 2.4, 35);
