@@ -20,14 +20,15 @@ double mean(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// Relative to the means: float32 keeps what differs.
-PointColumns columns_of(const SurveyPoints& survey) {
-  const double x = mean(survey.x_m), y = mean(survey.y_m), z = mean(survey.z_m);
+/// The heights as they were, one a place, relative to the means: float32 keeps what differs.
+PointColumns columns_of(const VecchiaPoints& prepared) {
   PointColumns columns;
-  columns.reserve(survey.z_m.size());
-  for (std::size_t i = 0; i < survey.z_m.size(); ++i)
-    columns.push_back(static_cast<float>(survey.x_m[i] - x), static_cast<float>(survey.y_m[i] - y),
-                      static_cast<float>(survey.z_m[i] - z));
+  columns.reserve(prepared.points.size());
+  for (const VecchiaPoint& p : prepared.points) {
+    const double x_m = p.x * prepared.spacing_m, y_m = p.y * prepared.spacing_m;
+    const double z_m = p.z * prepared.height_m + prepared.slope_x * x_m + prepared.slope_y * y_m;
+    columns.push_back(static_cast<float>(x_m), static_cast<float>(y_m), static_cast<float>(z_m));
+  }
   return columns;
 }
 
@@ -56,15 +57,16 @@ bool fits_lattice(const MomentOptions& options, double last_m) {
   return cells < kMostLattice;
 }
 
-Result<StructureFunction> pair_sums(const SurveyPoints& survey, const MomentOptions& options, double spacing_m,
-                                    double last_m, Executor& executor, PairRoute& route) {
+Result<StructureFunction> pair_sums(const SurveyPoints& survey, const VecchiaPoints& prepared,
+                                    const MomentOptions& options, double last_m, Executor& executor, PairRoute& route) {
+  const double spacing_m = prepared.spacing_m;
   if (fits_lattice(options, last_m)) {
     route = PairRoute::lattice;
     const auto annuli = geometric_annuli(options.lattice_cell_m, kRatio, last_m);
     return lattice_structure_function(levelled(*options.lattice_m, mean(survey.z_m)), options.lattice_cell_m, annuli,
                                       executor);
   }
-  const auto n = static_cast<double>(survey.z_m.size());
+  const auto n = static_cast<double>(prepared.points.size());
   const double reach = last_m / spacing_m;
   const double pairs = 0.5 * n * std::min(n, std::numbers::pi * reach * reach);
   route = pairs <= kMostPairs ? PairRoute::near_pairs : PairRoute::thinned;
@@ -72,7 +74,7 @@ Result<StructureFunction> pair_sums(const SurveyPoints& survey, const MomentOpti
   pair_options.route = route;
   pair_options.spacing_m = spacing_m;
   pair_options.seed = options.seed;
-  return structure_function(columns_of(survey), geometric_annuli(0.5 * spacing_m, kRatio, last_m), pair_options,
+  return structure_function(columns_of(prepared), geometric_annuli(0.5 * spacing_m, kRatio, last_m), pair_options,
                             executor);
 }
 
@@ -114,7 +116,7 @@ Result<MomentDimension> estimate_dimension_moment(const SurveyPoints& survey, co
                  fmt::format("longest lag: expected at least {:.3g} m for points {:.3g} m apart, found {:.3g} m",
                              2.0 * first_m, spacing_m, last_m)};
   MomentDimension out;
-  const auto sums = pair_sums(survey, options, spacing_m, last_m, executor, out.route);
+  const auto sums = pair_sums(survey, *prepared, options, last_m, executor, out.route);
   if (!sums) return sums.error();
   const double enough = std::clamp(count / 4.0, 5.0, 30.0);
   out.points = log_log_points(*sums, options.moment, enough);

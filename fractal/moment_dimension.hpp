@@ -35,13 +35,14 @@ struct MomentDimension {
 };
 
 /// Yokoya's (first absolute moment) or Pentland's (second) D, as [AK96] section 2.4, with the mean log distances of the
-/// annuli as abscissae. Annuli touch, a fourth of an octave wide, from half a mean spacing (a lattice: one cell) on.
-/// Noise and tilt are part of the heights here: they are not taken off, and `noise_sigma_m` is ignored. All pairs while
-/// there are at most 10^9 within reach, thinned above (structure_function.hpp). The interval is D ± 1.96 of the
-/// standard deviation that fractional Brownian ground would give (moment_interval.hpp): noise, tilt and the choice of
-/// the linear part are not in it, nor is what smooth ground (D < 2.2) adds by its longest waves. Too few points for it:
-/// open on both sides, sigma NaN. Errors: those of estimate_dimension_vecchia (what has no D); bad_data where no three
-/// annuli in a row hold enough pairs and lie on a line; usage (a lag that is not positive). Deterministic.
+/// annuli as abscissae. Points at one place count once, with their mean height. Annuli touch, a fourth of an octave
+/// wide, from half a mean spacing (a lattice: one cell) on. Noise and tilt are part of the heights here: they are not
+/// taken off, and `noise_sigma_m` is ignored. All pairs while there are at most 10^9 within reach, thinned above
+/// (structure_function.hpp). The interval is D ± 1.96 of the standard deviation that fractional Brownian ground would
+/// give (moment_interval.hpp): noise, tilt and the choice of the linear part are not in it, nor is what smooth ground
+/// (D < 2.2) adds by its longest waves. Too few points for it: open on both sides, sigma NaN. Errors: those of
+/// estimate_dimension_vecchia (what has no D); bad_data where no three annuli in a row hold enough pairs and lie on a
+/// line; usage (a lag that is not positive). Deterministic.
 Result<MomentDimension> estimate_dimension_moment(const SurveyPoints& survey, const MomentOptions& options,
                                                   Executor& executor);
 

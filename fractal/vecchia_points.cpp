@@ -149,6 +149,7 @@ Result<VecchiaPoints> prepare_points(const SurveyPoints& survey) {
     p.x -= moments.x, p.y -= moments.y;
     p.z -= moments.z + plane.slope_x * p.x + plane.slope_y * p.y;
   }
+  out.slope_x = plane.slope_x, out.slope_y = plane.slope_y;
   out.height_m = rms_height(points);
   constexpr double kRounding = 1e-13;
   const double rounding = std::max(kRounding * (highest->z - lowest->z), 2.0 * survey.height_resolution_m);

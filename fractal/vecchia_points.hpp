@@ -21,6 +21,7 @@ struct VecchiaPoints {
   double noise_variance = 0.0;  ///< in units of height_m²; 0 where unknown
   bool noise_unknown = false;
   std::size_t duplicates = 0;
+  double slope_x = 0.0, slope_y = 0.0;  ///< metres a metre of the plane that was taken off
 };
 
 /// Errors: those of estimate_dimension_vecchia. Cost: O(N log N).

@@ -94,6 +94,27 @@ TEST(MomentDimension, ScaleOfHeightsMovesTheAmplitudeAlone) {
   EXPECT_NEAR(after->estimate.amplitude_m / before->estimate.amplitude_m, 8.0, 1e-2);
 }
 
+TEST(MomentDimension, PointsGivenTwiceCountOnce) {
+  SerialExecutor executor;
+  const Scene once = scene_of(*fbm_surface({2.4, 0.1}, 30, 30, 0.5, 5), 0.5);
+  Scene twice = once;
+  twice.x.insert(twice.x.end(), once.x.begin(), once.x.end());
+  twice.y.insert(twice.y.end(), once.y.begin(), once.y.end());
+  twice.z.insert(twice.z.end(), once.z.begin(), once.z.end());
+  for (const Moment moment : {Moment::first_absolute, Moment::second}) {
+    MomentOptions options;
+    options.moment = moment;
+    const auto expected = estimate_dimension_moment(once.survey(), options, executor);
+    const auto found = estimate_dimension_moment(twice.survey(), options, executor);
+    ASSERT_TRUE(expected && found);
+    EXPECT_EQ(found->estimate.duplicates, 900u);
+    EXPECT_TRUE(found->estimate.flags & kDuplicatesMerged);
+    EXPECT_EQ(found->estimate.dimension, expected->estimate.dimension);
+    EXPECT_EQ(found->estimate.interval95.low, expected->estimate.interval95.low);
+    EXPECT_EQ(found->estimate.interval95.high, expected->estimate.interval95.high);
+  }
+}
+
 TEST(MomentDimension, WhatHasNoDimensionIsAnError) {
   SerialExecutor executor;
   Scene line;
