@@ -23,6 +23,14 @@ struct Fitted {
   Interval interval95;
 };
 
+/// H ends a little within 0 and 1: an interval that gets there has no end.
+Interval opened(Interval interval) {
+  constexpr double kEnd = 0.006;
+  if (interval.low < 2.0 + kEnd) interval.low = 2.0;
+  if (interval.high > 3.0 - kEnd) interval.high = 3.0;
+  return interval;
+}
+
 /// 1.96 standard deviations either side of D. Of the logit of H, but where H is at its bound and the logit runs away:
 /// there of H itself, by what the fit loses a hundredth inside.
 template <class Residuals>
@@ -36,7 +44,7 @@ Interval interval_of(const LeastSquares& at, const Residuals& residuals) {
   };
   if (std::abs(logit) < kRunsAway) {
     const double reach = kReach * deviation(at.jacobian);
-    return {3.0 - ScaleParameters::hurst(logit + reach), 3.0 - ScaleParameters::hurst(logit - reach)};
+    return opened({3.0 - ScaleParameters::hurst(logit + reach), 3.0 - ScaleParameters::hurst(logit - reach)});
   }
   Eigen::VectorXd inside = at.parameters;
   inside[kHurst] = ScaleParameters::logit(hurst - std::copysign(kInside, logit));
@@ -67,7 +75,7 @@ class Analysis {
     return {std::move(best), ground, interval};
   }
 
-  double bic(const Fitted& fitted) const {
+  double criterion(const Fitted& fitted) const {
     const auto parameters = static_cast<std::size_t>(fitted.at.parameters.size());
     return fitted.at.cost + kCharge[parameters - 2] * std::log(static_cast<double>(statistics_.lags.size()));
   }
@@ -97,7 +105,7 @@ class Analysis {
 std::size_t cheapest(const Analysis& analysis, const std::array<Fitted, 4>& fits, std::size_t first) {
   std::size_t best = first;
   for (std::size_t i = first + 1; i < fits.size(); ++i)
-    if (analysis.bic(fits[i]) < analysis.bic(fits[best])) best = i;
+    if (analysis.criterion(fits[i]) < analysis.criterion(fits[best])) best = i;
   return best;
 }
 
@@ -134,6 +142,7 @@ ScaleLawFit describe(const Fitted& fitted, ScaleLaw law, const LagStatistics& st
   out.law = law;
   out.parameters = static_cast<int>(fitted.at.parameters.size());
   out.chi_square = fitted.at.cost;
+  out.degrees_of_freedom = static_cast<int>(statistics.lags.size()) - out.parameters;
   const GroundLaw& ground = fitted.ground;
   out.dimension = 3.0 - ground.first.hurst;
   out.amplitude_m =
@@ -164,11 +173,6 @@ void draw(const LagModel& model, const GroundLaw& ground, const LagStatistics& s
 
 }  // namespace
 
-std::string_view scale_law_name(ScaleLaw law) {
-  constexpr std::array<std::string_view, 4> kNames{"power", "power_and_noise", "two_scales", "plateau"};
-  return kNames[static_cast<std::size_t>(law)];
-}
-
 Result<ScaleAnalysis> analyse_scales(const SurveyPoints& survey, const StructureDimensionOptions& options,
                                      Executor& executor) {
   const auto statistics = lag_statistics(survey, {options.max_lag_m, options.seed}, executor);
@@ -195,7 +199,7 @@ Result<ScaleAnalysis> analyse_scales(const SurveyPoints& survey, const Structure
   out.chosen = chosen;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     out.fits.push_back(describe(fits[i], kLaws[i], *statistics));
-    out.fits.back().bic = analysis.bic(fits[i]);
+    out.fits.back().criterion = analysis.criterion(fits[i]);
   }
   draw(analysis.model(), fits[chosen].ground, *statistics, out);
   return out;

@@ -27,11 +27,15 @@ struct ScaleLawFit {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   ScaleLaw law = ScaleLaw::power;
   int parameters = 2;
-  double chi_square = 0.0;     ///< of the fit, points − parameters degrees of freedom
-  double bic = 0.0;            ///< chi_square + ln(points)·(2, 4, 4.5 for 2, 3, 4 parameters): the smallest is chosen
-  double dimension = kNone;    ///< of the shortest scale: 3 − H
-  Interval interval95;         ///< of it, under this law
-  double amplitude_m = kNone;  ///< rms change over 1 m by the power law of the shortest scale
+  double chi_square = 0.0;     ///< of the fit, under the weights of the chosen law
+  int degrees_of_freedom = 0;  ///< points − parameters
+  /// chi_square + ln(points)·(2, 4, 4.5 for 2, 3, 4 parameters). Of the laws beside the plain power law the smallest is
+  /// chosen; the power law itself may have a smaller one here and not be chosen, for it was rejected under its own
+  /// weights and these are the winner's.
+  double criterion = 0.0;
+  double dimension = kNone;         ///< of the shortest scale: 3 − H
+  Interval interval95;              ///< of it, under this law; 2 and 3 stand for an open side
+  double amplitude_m = kNone;       ///< rms change over 1 m by the power law of the shortest scale
   double noise_sigma_m = kNone;     ///< power_and_noise: s, beyond the noise that is known
   double coarse_dimension = kNone;  ///< two_scales: 3 − H₂
   double crossover_m = kNone;       ///< two_scales: where both terms are equal; plateau: r0
@@ -49,10 +53,12 @@ struct ScaleAnalysis {
   std::vector<ScaleLawFit> fits;  ///< one a law, in the order of ScaleLaw
   std::size_t chosen = 0;
   const ScaleLawFit& best() const { return fits[chosen]; }
+  /// False: not even the chosen law describes the ground, its chi_square is beyond the 99.9 % point of chance.
+  bool law_fits() const;
 };
 
 /// Fits the four laws by generalised least squares to the logarithms of the structure function of scattered points or
-/// a raster (full or with gaps, points on a square lattice are recognised), and chooses by an information criterion.
+/// a raster (full or with gaps, points on a square lattice are recognised), and chooses by a criterion.
 /// The plain power law is kept unless another is better under the power law's own covariance. Planes change nothing.
 /// Errors, all bad_data: those of estimate_dimension_structure. Cost: 20 – 50 ms on one core for up to 65,536 points
 /// (docs/fractal.md). Source: described in docs/fractal.md.

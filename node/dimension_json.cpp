@@ -41,11 +41,14 @@ Json scales_json(const fractal::ScaleAnalysis& scales) {
             {"interval95", pair(best.interval95)},
             {"amplitude_m", number(best.amplitude_m)},
             {"range_m", pair(best.lag_min_m, best.lag_max_m)},
+            {"chi_square", number(best.chi_square)},
+            {"degrees_of_freedom", best.degrees_of_freedom},
             {"coarse_dimension", number(best.coarse_dimension)},
             {"crossover_m", number(best.crossover_m)},
             {"plateau_m", number(best.plateau_m)},
             {"excess_noise_sigma_m", number(best.noise_sigma_m)}};
-  for (const auto& fit : scales.fits) json["bic"][std::string(fractal::scale_law_name(fit.law))] = number(fit.bic);
+  for (const auto& fit : scales.fits)
+    json["criterion"][std::string(fractal::scale_law_name(fit.law))] = number(fit.criterion);
   return json;
 }
 

@@ -1,17 +1,15 @@
 #include "node/dimension_methods.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "fractal/vecchia.hpp"
+#include "node/dimension_scales.hpp"
 
 namespace scree::node {
 namespace {
 
 using fractal::Moment;
-using fractal::ScaleLaw;
 using fractal::SurveyPoints;
 
 SurveyPoints points_of(const SurveyInput& input, const DimensionRequest& request) {
@@ -38,21 +36,6 @@ Error no_noise_estimate(const std::string& found) {
               found};
 }
 
-/// Scales where the law holds among those that were looked at, NaN where noise hides it on all of them; without an
-/// analysis the lags of the estimate, or what the likelihood has seen: up to a quarter of the survey's side.
-fractal::Interval scales_of(const DimensionAnswer& answer) {
-  const auto& estimate = answer.estimate;
-  if (answer.scales) {
-    const auto& points = answer.scales->points;
-    const double low = std::max(answer.scales->best().lag_min_m, std::exp(points.front().log_lag));
-    const double high = std::min(answer.scales->best().lag_max_m, std::exp(points.back().log_lag));
-    if (high > low && std::isfinite(estimate.dimension)) return {low, high};
-    return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
-  }
-  if (std::isfinite(estimate.lag_min_m)) return {estimate.lag_min_m, estimate.lag_max_m};
-  return {estimate.spacing_m, estimate.spacing_m * std::sqrt(static_cast<double>(estimate.points)) / 4.0};
-}
-
 void look_at_scales(const SurveyPoints& survey, const DimensionRequest& request, Executor& executor,
                     DimensionAnswer& answer) {
   auto scales = fractal::analyse_scales(with_noise(survey, answer), {request.max_lag_m, request.seed}, executor);
@@ -60,10 +43,6 @@ void look_at_scales(const SurveyPoints& survey, const DimensionRequest& request,
     answer.flags.emplace_back("scales_unknown");
     return;
   }
-  const ScaleLaw law = scales->best().law;
-  if (law == ScaleLaw::two_scales) answer.flags.emplace_back("crossover");
-  if (law == ScaleLaw::plateau) answer.flags.emplace_back("plateau");
-  if (law == ScaleLaw::power_and_noise) answer.flags.emplace_back("excess_noise");
   answer.scales = *std::move(scales);
 }
 
@@ -124,19 +103,6 @@ Result<DimensionAnswer> by_moment(const SurveyInput& input, const DimensionReque
   return answer;
 }
 
-/// What short distances say against longer ones: heights near each other that differ too little are interpolated or
-/// filtered, heights that differ too much are rounded or noisy.
-void judge_short_lags(DimensionAnswer& answer) {
-  const auto& estimate = answer.estimate;
-  const bool dependent = (estimate.flags & fractal::kScaleDependent) != 0;
-  const bool disagree = answer.check && answer.agreement.comparable && !answer.agreement.agree;
-  const bool excess = answer.scales && answer.scales->best().law == ScaleLaw::power_and_noise;
-  if ((dependent && estimate.dimension < estimate.coarse_dimension) || (disagree && answer.agreement.difference < 0.0))
-    answer.flags.emplace_back("smooth_short_lags");
-  if (excess || (dependent && estimate.dimension > estimate.coarse_dimension))
-    answer.flags.emplace_back("rough_short_lags");
-}
-
 Result<DimensionAnswer> by_law(const SurveyInput& input, const DimensionRequest& request, Executor& executor) {
   const SurveyPoints survey = points_of(input, request);
   auto answer = request.method == "vecchia"              ? by_vecchia(survey)
@@ -145,8 +111,7 @@ Result<DimensionAnswer> by_law(const SurveyInput& input, const DimensionRequest&
   if (!answer) return answer.error();
   answer->noise_sigma_m = answer->estimate.noise_sigma_m;
   look_at_scales(survey, request, executor, *answer);
-  answer->scale_range_m = scales_of(*answer);
-  judge_short_lags(*answer);
+  judge_scales(*answer);
   return answer;
 }
 

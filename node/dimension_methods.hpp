@@ -50,8 +50,8 @@ bool sampled(const SurveyInput& input, const DimensionAnswer& answer);
 ///   raw_heights, no_interval, out_of_range   of yokoya and pentland: noise and tilt are not taken off, too few points
 ///     for an interval, D outside 2 ... 3
 ///   methods_disagree   the two methods' intervals do not allow for the difference
-///   crossover, plateau, excess_noise   the structure function asks for more than one power law
-///   smooth_short_lags, rough_short_lags   D grows, falls with distance: interpolated, rounded or noisy data?
+///   crossover, plateau, excess_noise, no_law_fits, scale_range_short, smooth_short_lags, rough_short_lags   see
+///     dimension_scales.hpp
 ///   scales_unknown   too few distances for that question
 ///   whole_metre_heights, sampled   of the input
 /// Errors: those of the estimators; usage where the noise is to be estimated by a method that cannot.

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <numbers>
 
+#include "node/dimension_scales.hpp"
 #include "node/length_text.hpp"
 
 namespace scree::node {
@@ -13,6 +14,10 @@ namespace {
 
 using fractal::DimensionEstimate;
 using fractal::ScaleLaw;
+
+bool has_flag(const DimensionAnswer& answer, const char* flag) {
+  return std::find(answer.flags.begin(), answer.flags.end(), flag) != answer.flags.end();
+}
 
 std::string interval_text(const DimensionAnswer& answer) {
   const DimensionEstimate& estimate = answer.estimate;
@@ -38,9 +43,10 @@ std::string noise_text(const DimensionReport& report) {
   return text;
 }
 
-std::string scales_remark(const fractal::ScaleLawFit& best) {
-  const std::string fine =
-      fmt::format("D = {:.3f} ({:.3f} to {:.3f})", best.dimension, best.interval95.low, best.interval95.high);
+std::string scales_remark(const fractal::ScaleAnalysis& scales) {
+  const fractal::ScaleLawFit& best = scales.best();
+  std::string fine = fmt::format("D = {:.3f}", best.dimension);
+  if (scales.law_fits()) fine += fmt::format(" ({:.3f} to {:.3f})", best.interval95.low, best.interval95.high);
   if (best.law == ScaleLaw::two_scales)
     return fmt::format("crossover: two power laws, {} below and D = {:.3f} above {} m", fine, best.coarse_dimension,
                        length_text(best.crossover_m));
@@ -49,6 +55,15 @@ std::string scales_remark(const fractal::ScaleLawFit& best) {
                        length_text(best.crossover_m));
   return fmt::format("excess_noise: heights vary by {} m more than the noise given says; {} above that",
                      length_text(best.noise_sigma_m), fine);
+}
+
+void add_scales(const DimensionAnswer& answer, std::vector<std::string>& remarks) {
+  if (!answer.scales || !std::isfinite(answer.estimate.dimension)) return;
+  const auto& best = answer.scales->best();
+  if (!answer.scales->law_fits())
+    remarks.push_back(fmt::format("no_law_fits: chi-square {:.0f} with {} degrees of freedom for the best of four laws",
+                                  best.chi_square, best.degrees_of_freedom));
+  if (best.law != ScaleLaw::power && !says_nothing(best)) remarks.push_back(scales_remark(*answer.scales));
 }
 
 std::string anisotropy_text(const fractal::Anisotropy& found) {
@@ -76,6 +91,7 @@ std::string dimension_line(const DimensionReport& report) {
   if (sampled(report.input, answer)) line += fmt::format(" of {}", report.input.found);
   const auto& scales = answer.scale_range_m;
   line += std::isfinite(scales.low) ? ", " + range_text(scales.low, scales.high) : ", no scale above the noise";
+  if (has_flag(answer, "scale_range_short")) line += " (all that D rests on)";
   line += ", " + noise_text(report);
   if (report.anisotropy) line += "; " + anisotropy_text(*report.anisotropy);
   const auto flags = all_flags(report);
@@ -95,11 +111,8 @@ std::vector<std::string> dimension_remarks(const DimensionReport& report) {
     remarks.push_back(fmt::format("methods_disagree: the {} has D = {:.3f} ({:.3f} to {:.3f})", answer.check->method,
                                   answer.check->dimension, answer.check->interval95.low,
                                   answer.check->interval95.high));
-  if (answer.scales && answer.scales->best().law != ScaleLaw::power)
-    remarks.push_back(scales_remark(answer.scales->best()));
-  const auto flagged = [&](const char* flag) {
-    return std::find(answer.flags.begin(), answer.flags.end(), flag) != answer.flags.end();
-  };
+  add_scales(answer, remarks);
+  const auto flagged = [&](const char* flag) { return has_flag(answer, flag); };
   if (flagged("smooth_short_lags"))
     remarks.emplace_back(
         "smooth_short_lags: interpolated, filtered or coarser than its points? Then D is not the ground's");
