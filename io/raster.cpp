@@ -1,12 +1,12 @@
 #include "io/raster.hpp"
 
+#include <cmath>
 #include <fmt/format.h>
 
 #ifdef SCREE_WITH_GDAL
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <gdal_priv.h>
 #include <limits>
@@ -201,11 +201,16 @@ Status write_geotiff(const std::filesystem::path& file, const Raster&) {
 #endif
 
 Error geographic_error(const Raster& raster, const std::string& name) {
-  return {ErrorKind::bad_data,
-          fmt::format("{}: expected cells in metres, found degrees ({:.6g} × {:.6g} at x {:.6g}, y {:.6g}); reproject "
-                      "first: gdalwarp -s_srs EPSG:4326 -t_srs EPSG:326NN -tr 30 30 -r bilinear IN OUT.tif "
-                      "(NN = UTM zone; 327NN in the south)",
-                      name, raster.cell_m, raster.cell_y_m, raster.x_min_m, raster.y_min_m)};
+  // Square cells with the area of the raster's in its middle.
+  constexpr double kMetresADegree = 111'195.0, kRadians = 0.017453292519943295;
+  const double latitude = raster.y_min_m + 0.5 * raster.height_m.rows() * raster.cell_y_m;
+  const double side_m = kMetresADegree * std::sqrt(raster.cell_m * raster.cell_y_m * std::cos(latitude * kRadians));
+  return {
+      ErrorKind::bad_data,
+      fmt::format("{4}: expected cells in metres, found degrees ({0:.6g} × {1:.6g} at x {2:.6g}, y {3:.6g}); reproject "
+                  "first: gdalwarp -s_srs EPSG:4326 -t_srs EPSG:326NN -tr {5:.3g} {5:.3g} -r bilinear IN OUT.tif "
+                  "(NN = UTM zone; 327NN in the south)",
+                  raster.cell_m, raster.cell_y_m, raster.x_min_m, raster.y_min_m, name, side_m)};
 }
 
 }  // namespace scree::io
