@@ -1,6 +1,8 @@
 #include "node/dimension_methods.hpp"
 
 #include <cmath>
+#include <fmt/format.h>
+#include <limits>
 #include <utility>
 
 #include "fractal/vecchia.hpp"
@@ -76,6 +78,21 @@ Result<DimensionAnswer> by_choice(const SurveyPoints& survey, const DimensionReq
   return answer;
 }
 
+/// A straight line can have any slope, a surface has not any D.
+void keep_in_range(DimensionAnswer& answer) {
+  auto& estimate = answer.estimate;
+  if (!(estimate.dimension >= 2.0 && estimate.dimension <= 3.0)) {
+    estimate.dimension = estimate.amplitude_m = estimate.sigma = std::numeric_limits<double>::quiet_NaN();
+    answer.has_interval = false;
+    answer.flags.emplace_back("out_of_range");
+    return;
+  }
+  if (!answer.has_interval) answer.flags.emplace_back("no_interval");
+  auto& interval = estimate.interval95;
+  if (answer.has_interval && interval.low <= 2.0) interval.low = 2.0, estimate.flags |= fractal::kOpenBelow;
+  if (answer.has_interval && interval.high >= 3.0) interval.high = 3.0, estimate.flags |= fractal::kOpenAbove;
+}
+
 Result<DimensionAnswer> by_moment(const SurveyInput& input, const DimensionRequest& request, Executor& executor) {
   if (request.noise_auto) return no_noise_estimate("--method " + request.method);
   fractal::MomentOptions options;
@@ -93,13 +110,11 @@ Result<DimensionAnswer> by_moment(const SurveyInput& input, const DimensionReque
   answer.estimate = std::move(found->estimate);
   answer.has_interval = std::isfinite(answer.estimate.sigma);
   answer.raw_heights = true;
-  answer.noise_sigma_m = request.noise_sigma_m;
   answer.scale_range_m = {found->fit.lag_min_m, found->fit.lag_max_m};
   answer.plot_points = std::move(found->points);
   answer.plot_moment = options.moment;
   answer.flags.emplace_back("raw_heights");
-  if (!answer.has_interval) answer.flags.emplace_back("no_interval");
-  if (!(answer.estimate.dimension > 2.0 && answer.estimate.dimension < 3.0)) answer.flags.emplace_back("out_of_range");
+  keep_in_range(answer);
   return answer;
 }
 
@@ -109,6 +124,10 @@ Result<DimensionAnswer> by_law(const SurveyInput& input, const DimensionRequest&
                 : request.method == "structure-function" ? by_structure(survey, request, executor)
                                                          : by_choice(survey, request, executor);
   if (!answer) return answer.error();
+  if (const double spacing_m = answer->estimate.spacing_m; request.max_lag_m > 0.0 && request.max_lag_m < spacing_m)
+    return Error{ErrorKind::usage,
+                 fmt::format("--max-lag-m: expected at least the mean spacing of {:.3g} m, found {:g}", spacing_m,
+                             request.max_lag_m)};
   answer->noise_sigma_m = answer->estimate.noise_sigma_m;
   look_at_scales(survey, request, executor, *answer);
   judge_scales(*answer);

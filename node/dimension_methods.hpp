@@ -28,8 +28,9 @@ struct DimensionRequest {
 struct DimensionAnswer {
   fractal::DimensionEstimate estimate;
   bool has_interval = true;
-  bool raw_heights = false;    ///< noise and tilt are in D and not in its interval
-  double noise_sigma_m = 0.0;  ///< of a height: given or estimated, with what horizontal noise adds on the slope
+  bool raw_heights = false;  ///< noise and tilt are in D and not in its interval
+  /// Of a height: given or estimated, with what horizontal noise adds on the slope; 0 where the method uses none.
+  double noise_sigma_m = 0.0;
   fractal::Interval scale_range_m{0.0, 0.0};        ///< scales that D is for; NaN: hidden by noise
   std::optional<fractal::ScaleAnalysis> scales;     ///< where the points are enough for it
   std::optional<fractal::DimensionEstimate> check;  ///< auto: by the other method, where both apply
@@ -48,13 +49,14 @@ bool sampled(const SurveyInput& input, const DimensionAnswer& answer);
 /// auto: Vecchia's likelihood, checked against the structure function; the structure function alone where horizontal
 /// noise reaches .3 mean spacings, for which the likelihood has no model. Flags beside those of the estimators:
 ///   raw_heights, no_interval, out_of_range   of yokoya and pentland: noise and tilt are not taken off, too few points
-///     for an interval, D outside 2 ... 3
+///     for an interval; the line has D outside 2 ... 3, and D is unknown (NaN)
 ///   methods_disagree   the two methods' intervals do not allow for the difference
 ///   crossover, plateau, excess_noise, no_law_fits, scale_range_short, smooth_short_lags, rough_short_lags   see
 ///     dimension_scales.hpp
 ///   scales_unknown   too few distances for that question
 ///   whole_metre_heights, sampled   of the input
-/// Errors: those of the estimators; usage where the noise is to be estimated by a method that cannot.
+/// Errors: those of the estimators; usage where the noise is to be estimated by a method that cannot, or max_lag_m is
+/// below the mean spacing.
 Result<DimensionAnswer> find_dimension(const SurveyInput& input, const DimensionRequest& request, Executor& executor);
 
 }  // namespace scree::node

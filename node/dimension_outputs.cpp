@@ -13,11 +13,6 @@
 namespace scree::node {
 namespace {
 
-Status check_length(const char* option, double value) {
-  if (value >= 0.0 && std::isfinite(value)) return {};
-  return Error{ErrorKind::usage, fmt::format("{}: expected metres above 0, found {}", option, value)};
-}
-
 Status check_map_options(const DimensionOutputOptions& options) {
   const bool window = options.window_m != 0.0, out = !options.out.empty();
   if (window != out)
@@ -29,11 +24,16 @@ Status check_map_options(const DimensionOutputOptions& options) {
   const std::array<std::pair<const char*, double>, 2> lengths{
       {{"--window-m", options.window_m}, {"--cell-m", options.cell_m}}};
   for (const auto& [name, value] : lengths)
-    if (Status status = check_length(name, value); !status) return status;
+    if (Status status = check_length(name, value, "metres above 0"); !status) return status;
   return {};
 }
 
 }  // namespace
+
+Status check_length(const char* option, double value, const char* meaning) {
+  if (value >= 0.0 && std::isfinite(value)) return {};
+  return Error{ErrorKind::usage, fmt::format("{}: expected {}, found {}", option, meaning, value)};
+}
 
 Result<DimensionOutputs> DimensionOutputs::prepare(const DimensionOutputOptions& options) {
   if (Status status = check_map_options(options); !status) return status.error();
@@ -51,14 +51,13 @@ Result<DimensionOutputs> DimensionOutputs::prepare(const DimensionOutputOptions&
   return outputs;
 }
 
-/// What is computed cell by cell.
 Status look_at_cells(const DimensionOutputOptions& options, const DimensionOutputs& outputs, Executor& executor,
                      DimensionReport& report) {
   if (!outputs.maps && !options.anisotropy) return {};
   GriddingOptions gridding;
   gridding.cell_m = options.cell_m;
   gridding.spacing_m = report.answer.estimate.spacing_m;
-  gridding.noise_sigma_m = report.answer.noise_sigma_m;
+  gridding.noise_sigma_m = report.answer.raw_heights ? report.request.noise_sigma_m : report.answer.noise_sigma_m;
   const auto grid = grid_survey(report.input, gridding);
   if (!grid) return grid.error();
   if (options.anisotropy) {

@@ -31,7 +31,10 @@ std::string interval_text(const DimensionAnswer& answer) {
 
 std::string noise_text(const DimensionReport& report) {
   const DimensionRequest& request = report.request;
-  if (report.answer.raw_heights) return "noise and tilt not taken off";
+  if (report.answer.raw_heights) {
+    const bool given = request.noise_sigma_m > 0.0 || request.noise_xy_sigma_m > 0.0;
+    return std::string("noise and tilt not taken off") + (given ? " (this method cannot use the noise given)" : "");
+  }
   std::string text = fmt::format("noise {:g} m", request.noise_sigma_m);
   if (request.noise_auto)
     text = "noise " + length_text(report.answer.estimate.noise_sigma_m) + " m estimated";
@@ -66,34 +69,46 @@ void add_scales(const DimensionAnswer& answer, std::vector<std::string>& remarks
   if (best.law != ScaleLaw::power && !says_nothing(best)) remarks.push_back(scales_remark(*answer.scales));
 }
 
-std::string anisotropy_text(const fractal::Anisotropy& found) {
-  if (!found.significant) return fmt::format("isotropic (p = {:.2g})", found.p_value);
-  return fmt::format("roughest along {:.0f} deg from +x, stretched {:.2f} times across (p = {:.2g})",
-                     found.direction_rad * 180.0 / std::numbers::pi, found.strength, found.p_value);
+/// Significant, and so much that it matters: thousands of cells make a few percent significant.
+bool anisotropic(const fractal::Anisotropy& found) {
+  constexpr double kLeastStrength = 1.1;
+  return found.significant && found.strength >= kLeastStrength;
+}
+
+/// The probability is that of one power law, which the ground may not have.
+std::string anisotropy_text(const fractal::Anisotropy& found, const DimensionAnswer& answer) {
+  const bool other = has_flag(answer, "scale_dependent") || has_flag(answer, "no_law_fits");
+  const std::string chance = fmt::format("(p = {:.2g}{})", found.p_value, other ? " under one power law" : "");
+  if (!found.significant) return "isotropic " + chance;
+  if (!anisotropic(found)) return fmt::format("nearly isotropic, stretched {:.2f} times {}", found.strength, chance);
+  return fmt::format("roughest along {:.0f} deg from +x, stretched {:.2f} times across {}",
+                     found.direction_rad * 180.0 / std::numbers::pi, found.strength, chance);
 }
 
 }  // namespace
 
 std::vector<std::string> all_flags(const DimensionReport& report) {
   std::vector<std::string> flags = report.answer.flags;
-  if (report.anisotropy && report.anisotropy->significant) flags.emplace_back("anisotropic");
+  if (report.anisotropy && anisotropic(*report.anisotropy)) flags.emplace_back("anisotropic");
   return flags;
 }
 
 std::string dimension_line(const DimensionReport& report) {
   const DimensionAnswer& answer = report.answer;
   const DimensionEstimate& estimate = answer.estimate;
-  std::string line = std::isfinite(estimate.dimension)
-                         ? fmt::format("D = {:.3f} ({}), amplitude {:.4g} m at 1 m", estimate.dimension,
-                                       interval_text(answer), estimate.amplitude_m)
-                         : fmt::format("D unknown ({}): the noise hides the ground", interval_text(answer));
+  std::string line =
+      std::isfinite(estimate.dimension)
+          ? fmt::format("D = {:.3f} ({}), amplitude {:.4g} m at 1 m", estimate.dimension, interval_text(answer),
+                        estimate.amplitude_m)
+          : fmt::format("D unknown ({}): {}", interval_text(answer),
+                        answer.raw_heights ? "the fitted line has a D outside 2 ... 3" : "the noise hides the ground");
   line += fmt::format("; {}, {} {}", estimate.method, estimate.points, report.input.cells() ? "cells" : "points");
   if (sampled(report.input, answer)) line += fmt::format(" of {}", report.input.found);
   const auto& scales = answer.scale_range_m;
   line += std::isfinite(scales.low) ? ", " + range_text(scales.low, scales.high) : ", no scale above the noise";
   if (has_flag(answer, "scale_range_short")) line += " (all that D rests on)";
   line += ", " + noise_text(report);
-  if (report.anisotropy) line += "; " + anisotropy_text(*report.anisotropy);
+  if (report.anisotropy) line += "; " + anisotropy_text(*report.anisotropy, answer);
   const auto flags = all_flags(report);
   if (!flags.empty()) line += fmt::format("; flags: {}", fmt::join(flags, ", "));
   return line + "\n";

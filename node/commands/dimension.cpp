@@ -3,8 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <charconv>
-#include <cmath>
-#include <fmt/format.h>
 #include <memory>
 #include <spdlog/spdlog.h>
 #include <string>
@@ -25,15 +23,10 @@ struct DimensionOptions {
   DimensionRequest request;
   SurveyReading reading;
   std::string noise = "0";
-  std::string segment = "least-squares";
+  std::string segment;  ///< empty = not given
   DimensionOutputOptions output;
   bool json = false;
 };
-
-Status check_length(const char* option, double value, const char* meaning) {
-  if (value >= 0.0 && std::isfinite(value)) return {};
-  return Error{ErrorKind::usage, fmt::format("{}: expected {}, found {}", option, meaning, value)};
-}
 
 /// A number, or "auto".
 Status read_noise(const std::string& text, DimensionRequest& request) {
@@ -53,6 +46,9 @@ Status complete(DimensionOptions& options) {
       {{"--noise-xy-sigma-m", request.noise_xy_sigma_m}, {"--max-lag-m", request.max_lag_m}}};
   for (const auto& [name, value] : lengths)
     if (Status status = check_length(name, value, "metres of at least 0"); !status) return status;
+  if (!options.segment.empty() && request.method != "yokoya" && request.method != "pentland")
+    return Error{ErrorKind::usage,
+                 "--segment: expected --method yokoya or pentland beside it, found " + request.method};
   request.segmentation =
       options.segment == "polyline" ? fractal::Segmentation::polyline : fractal::Segmentation::least_squares;
   return {};
@@ -131,7 +127,9 @@ Command add_dimension(CLI::App& app) {
       ->type_name("S");
   command->add_option("--max-lag-m", options->request.max_lag_m, "Longest distance looked at by methods with lags")
       ->type_name("M");
-  command->add_option("--segment", options->segment, "How yokoya and pentland find the linear part of their plot")
+  command
+      ->add_option("--segment", options->segment,
+                   "How yokoya and pentland find the linear part of their plot; default least-squares")
       ->check(CLI::IsMember({"polyline", "least-squares"}))
       ->type_name("polyline|least-squares");
   add_input_options(*command, options->reading);

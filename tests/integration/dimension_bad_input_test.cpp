@@ -59,6 +59,7 @@ TEST(DimensionBadInput, EmptyAndGeographicRastersAreRefused) {
   const auto refused = scree({"dimension", degrees});
   EXPECT_EQ(refused.exit_code, 65);
   EXPECT_THAT(refused.err, HasSubstr("gdalwarp"));
+  EXPECT_THAT(refused.err, HasSubstr("-tr 9.73 9.73"));  // 11.12 m by 8.52 m
   EXPECT_THAT(refused.err, HasSubstr("--geographic"));
   const auto json = estimate({degrees, "--geographic"});
   // Mean spacing: √(cells / known cells) of a cell's 8.53 m × 11.10 m at 40° north.
@@ -75,6 +76,7 @@ TEST(DimensionBadInput, UsageAndMissingInputsHaveTheirExitCodes) {
   EXPECT_EQ(scree({"dimension", "x.xyz", "--noise-sigma-m", "some"}).exit_code, 64);
   EXPECT_EQ(scree({"dimension", "x.xyz", "--max-lag-m", "-2"}).exit_code, 64);
   EXPECT_EQ(scree({"dimension", "x.xyz", "--segment", "spline"}).exit_code, 64);
+  EXPECT_EQ(scree({"dimension", "x.xyz", "--segment", "polyline"}).exit_code, 64);  // not of the likelihood
   EXPECT_EQ(scree({"dimension", "x.xyz", "--frames", "2"}).exit_code, 64);
   EXPECT_EQ(scree({"dimension", "x.xyz", "--max-points", "-1"}).exit_code, 64);
   EXPECT_EQ(scree({"dimension", "x.xyz", "--geographic"}).exit_code, 64);
@@ -82,6 +84,39 @@ TEST(DimensionBadInput, UsageAndMissingInputsHaveTheirExitCodes) {
   EXPECT_EQ(scree({"dimension", "/nowhere/x.tif"}).exit_code, 66);
   const TemporaryFolder folder;
   EXPECT_EQ(scree({"dimension", folder.path().string()}).exit_code, 66);  // a recording without its yaml
+}
+
+TEST(DimensionBadInput, ALongestLagBelowTheSpacingIsAUsageError) {
+  const TemporaryFolder folder;
+  const auto file = noisy_points(folder, 0.0, 0.0);
+  for (const char* method : {"auto", "vecchia"}) {
+    const auto finished = scree({"dimension", file, "--method", method, "--max-lag-m", "0.3"});
+    EXPECT_EQ(finished.exit_code, 64);
+    EXPECT_THAT(finished.err, HasSubstr("--max-lag-m: expected at least the mean spacing"));
+  }
+}
+
+// Heights that change sign from cell to cell: changes fall with distance, and no surface has such a D.
+TEST(DimensionBadInput, ALineWithoutADimensionIsNoDimension) {
+  const TemporaryFolder folder;
+  std::string text;
+  for (int i = 0; i < 2500; ++i)
+    text += std::to_string(i % 50) + ' ' + std::to_string(i / 50) + ' ' +
+            std::to_string(((i % 50 + i / 50) % 2 ? 1.0 : -1.0) + 0.01 * (i * 7919 % 13)) + '\n';
+  const auto file = write(folder, "board.xyz", text);
+  for (const char* method : {"yokoya", "pentland"}) {
+    const auto finished = scree({"dimension", file, "--method", method, "--json"});
+    if (finished.exit_code != 0) continue;  // an error is no made-up D either
+    const auto json = nlohmann::json::parse(finished.out);
+    if (!json["dimension"].is_null()) {
+      EXPECT_GE(json["dimension"], 2.0);
+      EXPECT_LE(json["dimension"], 3.0);
+      continue;
+    }
+    EXPECT_TRUE(json["amplitude_m"].is_null());
+    EXPECT_THAT(json["flags"].dump(), HasSubstr("out_of_range"));
+    EXPECT_THAT(scree({"dimension", file, "--method", method}).out, StartsWith("D unknown (no interval): the fitted"));
+  }
 }
 
 TEST(DimensionBadInput, DuplicatesAreAveragedAndSaid) {

@@ -86,7 +86,10 @@ TEST(DimensionCommand, MomentsOfTheLiteratureFollowTheSurface) {
     }
   EXPECT_EQ(estimate({file, "--method", "yokoya", "--noise-sigma-m", "0.1"})["dimension"],
             estimate({file, "--method", "yokoya"})["dimension"]);
-  EXPECT_THAT(scree({"dimension", file, "--method", "pentland"}).out, HasSubstr("noise and tilt not taken off"));
+  EXPECT_EQ(estimate({file, "--method", "yokoya", "--noise-sigma-m", "0.1"})["effective_noise_sigma_m"], 0.0);
+  EXPECT_THAT(scree({"dimension", file, "--method", "pentland"}).out, HasSubstr("noise and tilt not taken off;"));
+  EXPECT_THAT(scree({"dimension", file, "--method", "pentland", "--noise-sigma-m", "0.1"}).out,
+              HasSubstr("this method cannot use the noise given"));
   const auto near = scree({"dimension", file, "--method", "pentland", "--max-lag-m", "0.3"});
   EXPECT_EQ(near.exit_code, 65);
   EXPECT_THAT(near.err, HasSubstr("longest lag: expected at least"));
