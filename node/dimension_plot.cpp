@@ -50,7 +50,7 @@ io::PlotBand band_of(const Law& law, const fractal::Interval& interval, double p
     band.high.push_back(std::max(with(interval.low), with(interval.high)));
   }
   band.colour = kBand;
-  band.label = fmt::format("95 %: slope only, D = {:.3f} ... {:.3f}", interval.low, interval.high);
+  band.label = "95 %: slope only";  // no width at the pivot: the height's own doubt is not in it
   return band;
 }
 
