@@ -13,8 +13,9 @@ namespace scree::fractal {
 namespace {
 
 constexpr double kRatio = 1.189207115002721;  // 2^¼
-constexpr double kMostPairs = 1e9;            // two seconds of one core
-constexpr double kMostLattice = 3e7;          // padded cells
+constexpr std::size_t kLeastAnnuli = 5;
+constexpr double kMostPairs = 1e9;    // two seconds of one core
+constexpr double kMostLattice = 3e7;  // padded cells
 
 double mean(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -80,8 +81,7 @@ Result<StructureFunction> pair_sums(const SurveyPoints& survey, const VecchiaPoi
 
 DimensionEstimate describe(const LogLogDimension& fit, const VecchiaPoints& prepared, const MomentOptions& options) {
   DimensionEstimate out;
-  out.dimension = fit.dimension;
-  out.amplitude_m = fit.amplitude_m;
+  if (fit.dimension >= 2.0 && fit.dimension <= 3.0) out.dimension = fit.dimension, out.amplitude_m = fit.amplitude_m;
   out.method = options.moment == Moment::first_absolute ? "yokoya" : "pentland";
   out.points = prepared.points.size();
   out.duplicates = prepared.duplicates;
@@ -94,8 +94,10 @@ DimensionEstimate describe(const LogLogDimension& fit, const VecchiaPoints& prep
 void set_interval(double sigma, DimensionEstimate& out) {
   constexpr double kNormal95 = 1.96;
   out.sigma = sigma;
-  out.interval95 = {out.dimension - kNormal95 * sigma, out.dimension + kNormal95 * sigma};
-  out.flags &= static_cast<std::uint16_t>(~(kOpenBelow | kOpenAbove));
+  const double low = out.dimension - kNormal95 * sigma, high = out.dimension + kNormal95 * sigma;
+  out.interval95 = {std::max(low, 2.0), std::min(high, 3.0)};
+  if (low > 2.0) out.flags &= static_cast<std::uint16_t>(~kOpenBelow);
+  if (high < 3.0) out.flags &= static_cast<std::uint16_t>(~kOpenAbove);
 }
 
 }  // namespace
@@ -120,11 +122,17 @@ Result<MomentDimension> estimate_dimension_moment(const SurveyPoints& survey, co
   if (!sums) return sums.error();
   const double enough = std::clamp(count / 4.0, 5.0, 30.0);
   out.points = log_log_points(*sums, options.moment, enough);
+  if (out.points.size() < kLeastAnnuli)
+    return Error{ErrorKind::bad_data,
+                 fmt::format("log-log plot: expected at least {} distances with {:.3g} pairs or more, up to {:.3g} m, "
+                             "found {}",
+                             kLeastAnnuli, enough, last_m, out.points.size())};
   auto fit = log_log_dimension(out.points, options.moment, options.segmentation, options.tolerance);
   if (!fit) return fit.error();
   out.fit = *std::move(fit);
   out.estimate = describe(out.fit, *prepared, options);
   if (out.route == PairRoute::lattice) out.estimate.points = known_cells(*options.lattice_m);
+  if (!std::isfinite(out.estimate.dimension)) return out;
   if (const auto sigma = moment_sigma(survey, out, options, executor)) set_interval(*sigma, out.estimate);
   return out;
 }

@@ -27,7 +27,8 @@ struct MomentOptions {
 };
 
 struct MomentDimension {
-  /// D and the ends of its interval may lie outside [2, 3].
+  /// A line whose D lies outside [2, 3] is none of a surface: D, amplitude and sigma are NaN then, the interval is open
+  /// on both sides, and `fit` holds what the line says. An end of the interval beyond 2 or 3 is open.
   DimensionEstimate estimate;
   LogLogDimension fit;
   std::vector<LogLogPoint> points;
@@ -41,8 +42,8 @@ struct MomentDimension {
 /// (structure_function.hpp). The interval is D ± 1.96 of the standard deviation that fractional Brownian ground would
 /// give (moment_interval.hpp): noise, tilt and the choice of the linear part are not in it, nor is what smooth ground
 /// (D < 2.2) adds by its longest waves. Too few points for it: open on both sides, sigma NaN. Errors: those of
-/// estimate_dimension_vecchia (what has no D); bad_data where no three annuli in a row hold enough pairs and lie on a
-/// line; usage (a lag that is not positive). Deterministic.
+/// estimate_dimension_vecchia (what has no D); bad_data where fewer than five annuli
+/// hold enough pairs or no three in a row lie on a line; usage (a lag that is not positive). Deterministic.
 Result<MomentDimension> estimate_dimension_moment(const SurveyPoints& survey, const MomentOptions& options,
                                                   Executor& executor);
 

@@ -28,7 +28,7 @@ Scene scene_of(const Grid<float>& surface, double cell_m) {
   return scene;
 }
 
-// 20 exact surfaces of 64²: standard deviations of one D of at most .07 (docs/fractal.md), so .016 for the mean; the
+// 20 exact surfaces of 64²: RMSE of one D of at most .07 (docs/dimension.md), so .016 for the mean; the
 // bias of an unweighted line is below .03. The mean is off by .1 less than once in 10^4.
 TEST(MomentDimension, MeanOverExactSurfacesIsTheTruth) {
   SerialExecutor executor;
@@ -113,6 +113,38 @@ TEST(MomentDimension, PointsGivenTwiceCountOnce) {
     EXPECT_EQ(found->estimate.interval95.low, expected->estimate.interval95.low);
     EXPECT_EQ(found->estimate.interval95.high, expected->estimate.interval95.high);
   }
+}
+
+// A spike dominates every pair that it is in: annuli differ by how many of these they hold, not by any law. The fewest
+// points that a survey may have and one: no number outside [2, 3] is called a D, and intervals end there.
+TEST(MomentDimension, SpikesInFewPointsMakeNoDimensionOutOfRange) {
+  SerialExecutor executor;
+  int refused = 0, unknown = 0, known = 0;
+  for (std::int32_t seed = 0; seed < 40; ++seed) {
+    Scene scene;
+    for (std::int32_t i = 0; i < 21; ++i) {
+      const auto words = random_words(7, 3, i, seed);
+      scene.x.push_back(4.0 * to_uniform(words[0])), scene.y.push_back(4.0 * to_uniform(words[1]));
+      scene.z.push_back(i == 20 ? 50.0 : 0.01 * to_uniform(words[2]));
+    }
+    const auto found = estimate_dimension_moment(scene.survey(), {}, executor);
+    if (!found) {
+      ++refused;
+      EXPECT_EQ(found.error().kind, ErrorKind::bad_data);
+      continue;
+    }
+    const DimensionEstimate& estimate = found->estimate;
+    EXPECT_GE(found->points.size(), 5u);
+    const bool inside = found->fit.dimension >= 2.0 && found->fit.dimension <= 3.0;
+    EXPECT_EQ(std::isfinite(estimate.dimension), inside) << found->fit.dimension;
+    EXPECT_EQ(std::isfinite(estimate.amplitude_m), inside);
+    EXPECT_GE(estimate.interval95.low, 2.0);
+    EXPECT_LE(estimate.interval95.high, 3.0);
+    EXPECT_EQ(estimate.interval95.low == 2.0, (estimate.flags & kOpenBelow) != 0);
+    EXPECT_EQ(estimate.interval95.high == 3.0, (estimate.flags & kOpenAbove) != 0);
+    ++(inside ? known : unknown);
+  }
+  EXPECT_GT(unknown, 0) << "refused " << refused << ", known " << known;
 }
 
 TEST(MomentDimension, WhatHasNoDimensionIsAnError) {
