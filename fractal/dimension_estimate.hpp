@@ -48,7 +48,7 @@ struct Interval {
 struct DimensionEstimate {
   double dimension = std::numeric_limits<double>::quiet_NaN();
   Interval interval95;                                            ///< of D; 2 and 3 stand for an open side
-  double sigma = std::numeric_limits<double>::quiet_NaN();        ///< one standard deviation of D, from the curvature
+  double sigma = std::numeric_limits<double>::quiet_NaN();        ///< one standard deviation of D, within its bounds
   double amplitude_m = std::numeric_limits<double>::quiet_NaN();  ///< rms height change between points 1 m apart
   std::string method;
   std::size_t points = 0;        ///< at different places: what the estimate rests on

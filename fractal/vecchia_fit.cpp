@@ -57,6 +57,8 @@ HurstFit fit_hurst(const LaneProfile& profile) {
   };
   fit.low = profile.lanes.at(crossing(-1.0, fit.low_open));
   fit.high = profile.lanes.at(crossing(1.0, fit.high_open));
+  if (fit.low_open != fit.high_open)  // no parabola about a bound: the side that the data close says how sure they are
+    fit.sigma = (fit.low_open ? fit.high - fit.hurst : fit.hurst - fit.low) / std::sqrt(kChiSquare95);
   return fit;
 }
 

@@ -44,7 +44,7 @@ LaneProfile free_noise_profile(const HurstLanes& lanes, std::span<const PerLane>
 /// The minimum over H, by cubics through the lanes.
 struct HurstFit {
   double hurst = 0.5;
-  double sigma = 0.25;  ///< from the curvature; 0.25 where there is none
+  double sigma = 0.25;  ///< from the curvature, 0.25 where there is none; from the closed end where one is open
   double lane = 0.0;    ///< of the minimum, fractional
   double low = 0.0,
          high = 1.0;  ///< where −2 log L has risen by the 95 % quantile of χ²(1); the end lane where it has not

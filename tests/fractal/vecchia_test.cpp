@@ -261,6 +261,18 @@ std::string refusal(const Scattered& survey, double noise = 0.0) {
   return estimate.error().message;
 }
 
+// Waves much longer than the spacing: H at its bound, where −2 log L falls all the way and has no parabola.
+TEST(Vecchia, SigmaIsThatOfTheClosedSideWhereTheOtherIsOpen) {
+  Scattered survey = scattered_places(600, 19);
+  survey.z.clear();
+  for (std::size_t i = 0; i < survey.x.size(); ++i)
+    survey.z.push_back(std::sin(0.2 * survey.x[i]) * std::cos(0.17 * survey.y[i]));
+  const DimensionEstimate found = *estimate_dimension_vecchia(survey.survey());
+  ASSERT_TRUE(found.flags & kOpenBelow);
+  ASSERT_FALSE(found.flags & kOpenAbove);
+  EXPECT_NEAR(1.96 * found.sigma, found.interval95.high - found.dimension, 1e-3 * found.sigma);
+}
+
 TEST(Vecchia, RefusesWhatHasNoDimension) {
   const Scattered good = rough_survey(100, 2.4, 16);
   EXPECT_NE(refusal(rough_survey(19, 2.4, 16)).find("at least 20 points, found 19"), std::string::npos);
