@@ -20,7 +20,7 @@ DimensionEstimate estimate(const SurveyPoints& survey, double max_lag_m = 0.0) {
   return result ? *result : DimensionEstimate{};
 }
 
-// 40 · 40 midpoints of a grid over ±6 blurs of δ, N(0, 2 blur²) a coordinate.
+// 400 · 400 midpoints of a grid over ±6 blurs of δ, N(0, 2 blur²) a coordinate.
 TEST(GroundLaw, BlurIsTheMeanOverDisplacements) {
   for (const double hurst : {0.15, 0.5, 0.9})
     for (const double d : {0.0, 0.4, 2.0, 9.0, 40.0}) {
@@ -71,6 +71,7 @@ struct Accuracy {
 struct Sample {
   std::size_t count = 3277;
   double noise = 0.0, noise_xy = 0.0, tilt = 0.0, height = 0.0;
+  bool told = true;  ///< the estimator knows of the noise
 };
 
 SurveyPoints sampled(const Sample& sample, double dimension, std::uint64_t seed, Scattered& out) {
@@ -89,7 +90,9 @@ SurveyPoints sampled(const Sample& sample, double dimension, std::uint64_t seed,
       out.y.push_back(r + sample.noise_xy * place[1]);
       out.z.push_back(scale * surface(r, c) + sample.noise * z[0] + sample.tilt * c);
     }
-  return {.x_m = out.x, .y_m = out.y, .z_m = out.z, .noise_sigma_m = sample.noise, .noise_xy_sigma_m = sample.noise_xy};
+  SurveyPoints points{.x_m = out.x, .y_m = out.y, .z_m = out.z};
+  if (sample.told) points.noise_sigma_m = sample.noise, points.noise_xy_sigma_m = sample.noise_xy;
+  return points;
 }
 
 Accuracy accuracy(const Sample& sample, double dimension, int surfaces) {
@@ -127,16 +130,23 @@ TEST(StructureDimension, IsAccurateWithNoiseAndTilt) {
   }
 }
 
-// [AK96] Table 1 at 20 dB: noise of 7.4 cells in x, y and z, heights 73.9 rms. n = 9 surfaces. Mean: 2 % of D and 4
-// standard errors of (long-run RMSE .095 .057 .029)/√9; RMSE: · (1 + 4/√18). The noise ignored would err by 10, 4, 1 %.
+// [AK96] Table 1 at 20 dB: noise of 7.4 cells in x, y and z, heights 73.9 rms. n = 9 surfaces; in the long run
+// (docs/dimension-accuracy.md) the mean is off by 2 % of D at 2.1 and by nothing at 2.5 and 2.8, the RMSE .095 .055
+// .025. Mean: 4 standard errors of RMSE/√9; RMSE: · (1 + 4/√18). False alarms: 6e-5, 3e-5 each. Not told of the noise,
+// the same estimator on the same surfaces errs by .81 .39 .13: beyond twice the limits that it keeps when told.
 TEST(StructureDimension, SeesThroughHorizontalNoise) {
   struct Case {
-    double dimension, long_run;
+    double dimension, bias, long_run;
   };
-  for (const auto& [dimension, long_run] : {Case{2.1, .095}, Case{2.5, .057}, Case{2.8, .029}}) {
-    const Accuracy found = accuracy({.noise = 7.4, .noise_xy = 7.4, .height = 73.9}, dimension, 9);
-    EXPECT_LT(std::abs(found.bias), 0.02 * dimension + 4.0 * long_run / 3.0) << dimension;
-    EXPECT_LT(found.rmse, long_run * (1.0 + 4.0 / std::sqrt(18.0))) << dimension;
+  for (const auto& [dimension, bias, long_run] : {Case{2.1, .042, .095}, Case{2.5, 0, .055}, Case{2.8, 0, .025}}) {
+    Sample sample{.noise = 7.4, .noise_xy = 7.4, .height = 73.9};
+    const double most = long_run * (1.0 + 4.0 / std::sqrt(18.0));
+    const Accuracy found = accuracy(sample, dimension, 9);
+    EXPECT_LT(std::abs(found.bias - bias), 4.0 * long_run / 3.0) << dimension;
+    EXPECT_LT(found.rmse, most) << dimension;
+    sample.told = false;
+    const Accuracy blind = accuracy(sample, dimension, 9);
+    EXPECT_GT(blind.rmse, 2.0 * most) << dimension << ", bias " << blind.bias;
   }
 }
 
