@@ -23,8 +23,8 @@ struct Anisotropy {
   /// By how much the ground is stretched across direction_rad, if it is isotropic ground stretched; ≥ 1, and never
   /// exactly 1 by chance: look at p_value first. The contrasts bound it at kMaxStrength.
   double strength = 1.0;
-  /// The seed's index, over the azimuths of `hurst`; NaN for windows below 16 cells. It answers another question: does
-  /// H depend on direction? A stretch leaves it alone.
+  /// The index V of [X09], over the azimuths of `hurst`; NaN for windows below 16 cells. It answers another question:
+  /// does H depend on direction? A stretch leaves it alone.
   double index_v = 0.0;
   double index_v_null95 = 0.0;  ///< exceeded by 5 % of isotropic surfaces of this size and H
   bool v_significant = false;

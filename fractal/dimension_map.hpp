@@ -15,7 +15,8 @@ enum DimensionFlag : std::uint8_t {
   kTooLittleData = 1,
   /// The known noise variance exceeds the squared height change over one cell (τ > 1), or D stands at the smallest
   /// value that the data can tell (2.02; 2.21 for cells of one return, whose random places look like noise): D is an
-  /// upper bound at best. An exact plane has D = 2.02, amplitude 0, sigma NaN.
+  /// upper bound at best. The bit does not tell the two apart: ground smoother than the bound has it without any noise.
+  /// An exact plane has D = 2.02, amplitude 0, sigma NaN.
   kNoiseLimited = 2,
   /// The energies contradict every single power law: residual chi-square above its 99.9 % point (6 degrees of freedom;
   /// fewer where classes are missing).

@@ -9,8 +9,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLongestWave = 0.2;  // lowest frequency, in units of π/side
-// Waves are damped as if the survey were this much narrower: the one constant that is fitted (to simulated surfaces).
-// It stands for what a formula for endless surveys leaves out at the edges.
+// Waves are damped as if the survey were this much narrower: the one constant of the covariance that is fitted (to
+// simulated surfaces). It stands for what a formula for endless surveys leaves out at the edges. What users of the
+// covariance chose on simulated surfaces too: the ridges of lag_fit.cpp, the smoothest weights, the charges of
+// scale_laws.cpp.
 constexpr double kPlaneReach = 0.75;
 constexpr int kLevelCells = 12;  // nodes along an axis of a dyadic square of frequencies
 constexpr int kPlaneNodes = 180;

@@ -12,8 +12,8 @@ class LagFit {
  public:
   explicit LagFit(const LagStatistics& statistics);
 
-  /// Weights from the covariance under `law`, each variance .02 % larger against what the theory leaves out (4 % with
-  /// horizontal noise of a spacing or more); the same covariance corrects for E ln S < ln E S.
+  /// Weights from the covariance under `law`, each variance .02 % larger against what the theory leaves out (1 % more
+  /// with horizontal noise of a spacing or more); the same covariance corrects for E ln S < ln E S.
   void weigh(const LagModel& model, const GroundLaw& law);
   Eigen::VectorXd whitened(const Eigen::VectorXd& values) const { return root_.matrixL().solve(values); }
   /// `log_expected`: ln E S_l of a model.

@@ -38,7 +38,7 @@ struct LagStatistics {
 };
 
 struct LagOptions {
-  double max_lag_m = 0.0;  ///< 0: .225 √area, the longest lags that a survey knows much about
+  double max_lag_m = 0.0;  ///< 0: .225 √area, beyond which a survey knows little; 2.5 spacings at least
   std::uint64_t seed = 1;  ///< which points stand for all at long lags of large surveys
 };
 

@@ -8,7 +8,7 @@
 namespace scree::fractal {
 
 struct StructureDimensionOptions {
-  double max_lag_m = 0.0;  ///< longest distance used; 0: .225 √area
+  double max_lag_m = 0.0;  ///< longest distance used; 0: .225 √area, 2.5 spacings at least
   std::uint64_t seed = 1;  ///< which points stand for all at long distances of large surveys
 };
 

@@ -57,19 +57,20 @@ double papers_estimate(const Survey& survey) {
       ->dimension;
 }
 
-// n = 16 surfaces of either kind at D = 2.1. In 100 of them the mean error in % of D was +7.8 (successive random
-// additions) and +1.2 (exact), standard deviations 3.6 and 4.1: the difference of the means of 16 is 6.6 ± 1.4, above 0
-// with 4.8 standard errors (false alarms 1e-6); the exact mean stays within 1.2 + 4 of its own standard errors (6e-5).
+// n = 48 surfaces of either kind at D = 2.1. In 100 of them the mean error in % of D was +7.8 (successive random
+// additions) and +1.2 (exact), standard deviations 3.6 and 4.1. Most of it is more than half: half the one mean less
+// the other is 2.7 ± .65, above 0 with 4.1 standard errors (false alarms 2e-5); the exact mean stays within 1.2 + 4 of
+// its own standard errors (6e-5).
 TEST(Accuracy, MostOfThePapersErrorIsItsGenerators) {
   Sample refined, exact;
   const FractalLaw law{2.1, 1.0};
-  for (std::uint64_t seed = 5100; seed < 5116; ++seed) {
+  for (std::uint64_t seed = 5100; seed < 5148; ++seed) {
     refined.add(
         papers_estimate(paper_survey(*successive_random_additions(law, kPaperSide, kPaperSide, 1.0, seed), seed)) -
         2.1);
     exact.add(papers_estimate(paper_survey(*fbm_surface(law, kPaperSide, kPaperSide, 1.0, seed), seed)) - 2.1);
   }
-  EXPECT_GT(refined.mean(), exact.mean());
+  EXPECT_GT(refined.mean() - exact.mean(), 0.5 * refined.mean());
   EXPECT_LT(std::abs(exact.mean()), 0.012 * 2.1 + 4.0 * exact.mean_error());
 }
 
