@@ -44,9 +44,9 @@ void table(std::size_t points, int count) {
   const auto errors = [](const Errors& e) { return with_sign(e.mean(), 3) + ", " + fixed(e.rms(), 3); };
   const std::string name = fmt::format("N = {}, noise ", points);
   row(name + "known: bias, RMSE", [&](std::size_t c) { return errors(columns[c].known); });
-  row("covers", [&](std::size_t c) { return fixed(columns[c].known.coverage(), 2); });
+  row("covers", [&](std::size_t c) { return fixed(columns[c].known.coverage(), 2) + columns[c].known.unknowns(); });
   row(name + "estimated: bias, RMSE", [&](std::size_t c) { return errors(columns[c].unknown); });
-  row("covers", [&](std::size_t c) { return fixed(columns[c].unknown.coverage(), 2); });
+  row("covers", [&](std::size_t c) { return fixed(columns[c].unknown.coverage(), 2) + columns[c].unknown.unknowns(); });
   row("noise found: mean ± sd", [&](std::size_t c) {
     return fixed(kNoise + columns[c].noise.mean(), 3) + " ± " + fixed(columns[c].noise.sd(), 3);
   });

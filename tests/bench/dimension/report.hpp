@@ -41,6 +41,7 @@ auto over_surfaces(int count, const Body& body) {
 struct Errors {
   double sum = 0.0, sum2 = 0.0, worst = 0.0, covered = 0.0;
   int count = 0;
+  int unknown = 0;  ///< estimates that say that the data leave D open: not in the rest
 
   void add(double error) {
     ++count;
@@ -49,12 +50,17 @@ struct Errors {
     if (std::abs(error) > std::abs(worst)) worst = error;
   }
   void add(const fractal::DimensionEstimate& estimate, double truth) {
+    if (!std::isfinite(estimate.dimension)) {
+      ++unknown;
+      return;
+    }
     add(estimate.dimension - truth);
     covered += estimate.interval95.low <= truth && truth <= estimate.interval95.high ? 1.0 : 0.0;
   }
   double mean() const { return sum / count; }
   double rms() const { return std::sqrt(sum2 / count); }
   double sd() const { return std::sqrt(std::max(sum2 / count - mean() * mean(), 0.0)); }
+  std::string unknowns() const { return unknown > 0 ? fmt::format(" ({} unknown)", unknown) : ""; }
   double coverage() const { return covered / count; }
 };
 

@@ -49,7 +49,8 @@ void table(std::size_t points, double noise, int count) {
   const std::string name = fmt::format("N = {}, {}", points, noise > 0.0 ? "noise .3 known" : "clean");
   print_row(name + ": bias, RMSE", errors.size(),
             [&](std::size_t c) { return with_sign(errors[c].mean(), 3) + ", " + fixed(errors[c].rms(), 3); });
-  print_row("covers", errors.size(), [&](std::size_t c) { return fixed(errors[c].coverage(), 3); });
+  print_row("covers", errors.size(),
+            [&](std::size_t c) { return fixed(errors[c].coverage(), 3) + errors[c].unknowns(); });
   if (points != 100) return;
   const auto& targets = noise > 0.0 ? kNoisy : kClean;
   print_row("RMSE target", errors.size(), [&](std::size_t c) {
