@@ -118,23 +118,25 @@ std::array<Fitted, 4> fit_all(const Analysis& analysis) {
 /// Distance at which the slope of a growing law is half-way between H and that of the other term.
 void mark_range(const GroundLaw& ground, const LagStatistics& statistics, ScaleLawFit& out) {
   const double h2 = 2.0 * ground.first.hurst;
-  double low = statistics.lags.front().distance, high = statistics.lags.back().distance;
+  const double shortest = statistics.lags.front().distance, longest = statistics.lags.back().distance;
+  const auto looked_at = [&](double lag) { return lag >= shortest && lag <= longest; };
+  double low = shortest, high = longest;
   // C·d^(2H) = noise: the slope there is H/2. Blurred places look like noise as well.
   const double white = 2.0 * ground.white_variance();
   if (white > 0.0) low = std::max(low, std::pow(white / ground.first.square, 1.0 / h2));
   if (ground.second.square > 0.0) {
     const double crossover =
         std::pow(ground.first.square / ground.second.square, 1.0 / (2.0 * ground.second.hurst - h2));
-    out.crossover_m = crossover * statistics.spacing_m;
+    if (looked_at(crossover)) out.crossover_m = crossover * statistics.spacing_m;
     high = std::min(high, crossover);
   }
   if (ground.plateau_lag > 0.0) {
     constexpr double kHalfSlope = 1.2564312;  // x/(e^x − 1) = 1/2
-    out.crossover_m = ground.plateau_lag * statistics.spacing_m;
+    if (looked_at(ground.plateau_lag)) out.crossover_m = ground.plateau_lag * statistics.spacing_m;
     high = std::min(high, ground.plateau_lag * std::pow(kHalfSlope, 1.0 / h2));
   }
-  out.lag_min_m = std::min(low, high) * statistics.spacing_m;
-  out.lag_max_m = std::max(low, high) * statistics.spacing_m;
+  out.lag_min_m = std::clamp(std::min(low, high), shortest, longest) * statistics.spacing_m;
+  out.lag_max_m = std::clamp(std::max(low, high), shortest, longest) * statistics.spacing_m;
 }
 
 ScaleLawFit describe(const Fitted& fitted, ScaleLaw law, const LagStatistics& statistics) {

@@ -38,8 +38,9 @@ struct ScaleLawFit {
   double amplitude_m = kNone;       ///< rms change over 1 m by the power law of the shortest scale
   double noise_sigma_m = kNone;     ///< power_and_noise: s, beyond the noise that is known
   double coarse_dimension = kNone;  ///< two_scales: 3 − H₂
-  double crossover_m = kNone;       ///< two_scales: where both terms are equal; plateau: r0
-  double plateau_m = kNone;         ///< plateau: rms change far beyond
+  /// two_scales: where both terms are equal; plateau: r0. NaN where that lies beyond the distances looked at.
+  double crossover_m = kNone;
+  double plateau_m = kNone;  ///< plateau: rms change far beyond
   /// Where `dimension` holds: distances at which the local slope is nearer to H than to that of what comes before
   /// (noise, known or not) or after (the second scale, the plateau), within those that were looked at.
   double lag_min_m = kNone, lag_max_m = kNone;

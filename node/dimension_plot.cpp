@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "node/dimension_plot_data.hpp"
+#include "node/dimension_scales.hpp"
 #include "node/length_text.hpp"
 
 namespace scree::node {
@@ -120,9 +121,9 @@ void add_scales(const DimensionAnswer& answer, const DimensionPlotData& data, io
   line.dashed = true;
   line.label = fmt::format("D = {:.3f}, ", best.dimension);
   if (best.law == fractal::ScaleLaw::two_scales)
-    line.label += fmt::format("{:.3f} from {} m", best.coarse_dimension, length_text(best.crossover_m));
+    line.label += fmt::format("{:.3f} from {}", best.coarse_dimension, crossover_text(best));
   else if (best.law == fractal::ScaleLaw::plateau)
-    line.label += fmt::format("plateau from {} m", length_text(best.crossover_m));
+    line.label += fmt::format("plateau from {}", crossover_text(best));
   else
     line.label += fmt::format("noise {} m more", length_text(best.noise_sigma_m));
   plot.lines.push_back(std::move(line));

@@ -51,11 +51,10 @@ std::string scales_remark(const fractal::ScaleAnalysis& scales) {
   std::string fine = fmt::format("D = {:.3f}", best.dimension);
   if (scales.law_fits()) fine += fmt::format(" ({:.3f} to {:.3f})", best.interval95.low, best.interval95.high);
   if (best.law == ScaleLaw::two_scales)
-    return fmt::format("crossover: two power laws, {} below and D = {:.3f} above {} m", fine, best.coarse_dimension,
-                       length_text(best.crossover_m));
+    return fmt::format("crossover: two power laws, {} below and D = {:.3f} above {}", fine, best.coarse_dimension,
+                       crossover_text(best));
   if (best.law == ScaleLaw::plateau)
-    return fmt::format("plateau: {} for short distances, and no growth far beyond {} m", fine,
-                       length_text(best.crossover_m));
+    return fmt::format("plateau: {} for short distances, and no growth far beyond {}", fine, crossover_text(best));
   return fmt::format("excess_noise: heights vary by {} m more than the noise given says; {} above that",
                      length_text(best.noise_sigma_m), fine);
 }

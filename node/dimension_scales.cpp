@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "fractal/vecchia_neighbours.hpp"
+#include "node/length_text.hpp"
 
 namespace scree::node {
 namespace {
@@ -36,10 +37,8 @@ void set_range(DimensionAnswer& answer) {
   answer.scale_range_m = {kUnknown, kUnknown};
   if (!std::isfinite(estimate.dimension)) return;
   if (answer.scales && same_dimension(answer)) {
-    const auto& points = answer.scales->points;
-    const double low = std::max(answer.scales->best().lag_min_m, std::exp(points.front().log_lag));
-    const double high = std::min(answer.scales->best().lag_max_m, std::exp(points.back().log_lag));
-    if (high > low) answer.scale_range_m = {low, high};
+    const auto& law = answer.scales->best();
+    if (law.lag_max_m > law.lag_min_m) answer.scale_range_m = {law.lag_min_m, law.lag_max_m};
     return;  // or the noise hides the law at all distances
   }
   answer.scale_range_m = own_range(estimate);
@@ -62,7 +61,11 @@ void judge_short_lags(DimensionAnswer& answer) {
   const bool dependent = (estimate.flags & fractal::kScaleDependent) != 0;
   const bool disagree = answer.check && answer.agreement.comparable && !answer.agreement.agree;
   const bool excess = answer.scales && answer.scales->best().law == ScaleLaw::power_and_noise;
-  if ((dependent && estimate.dimension < estimate.coarse_dimension) || (disagree && answer.agreement.difference < 0.0))
+  // at the smooth end of the scale of D, below what all distances together say
+  const bool bounded = (estimate.flags & fractal::kOpenBelow) != 0 && answer.scales &&
+                       answer.scales->best().interval95.low > estimate.interval95.high;
+  if (bounded || (dependent && estimate.dimension < estimate.coarse_dimension) ||
+      (disagree && answer.agreement.difference < 0.0))
     answer.flags.emplace_back("smooth_short_lags");
   if (excess || (dependent && estimate.dimension > estimate.coarse_dimension))
     answer.flags.emplace_back("rough_short_lags");
@@ -72,6 +75,10 @@ void judge_short_lags(DimensionAnswer& answer) {
 
 bool says_nothing(const fractal::ScaleLawFit& law) {
   return law.interval95.low <= 2.0 && law.interval95.high >= 3.0;
+}
+
+std::string crossover_text(const fractal::ScaleLawFit& law) {
+  return std::isfinite(law.crossover_m) ? length_text(law.crossover_m) + " m" : "a distance that was not looked at";
 }
 
 void judge_scales(DimensionAnswer& answer) {

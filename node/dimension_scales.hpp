@@ -1,6 +1,8 @@
 #pragma once
 // Over which distances does the D of an answer hold, and what do the distances say against it?
 
+#include <string>
+
 #include "fractal/scale_laws.hpp"
 #include "node/dimension_methods.hpp"
 
@@ -15,5 +17,8 @@ bool says_nothing(const fractal::ScaleLawFit& law);
 ///   scale_range_short   the range is that of the points the estimate rests on: beyond it D is another, or unknown
 ///   smooth_short_lags, rough_short_lags   D grows, falls with distance
 void judge_scales(DimensionAnswer& answer);
+
+/// Where the second scale or the plateau begins: "405 m".
+std::string crossover_text(const fractal::ScaleLawFit& law);
 
 }  // namespace scree::node

@@ -78,5 +78,14 @@ TEST(DimensionScales, WithoutADimensionThereIsNoRemarkOnItsScales) {
   EXPECT_THAT(finished.err, Not(HasSubstr("D = ")));
 }
 
+// Elevation models whose D stands at the smooth end at their own spacing, and not over all distances.
+TEST(DimensionScales, FilledAndResampledModelsAreTooSmoothAtShortDistances) {
+  for (const char* name : {"bijou_gully_5m.asc", "pre_runout_10m.asc"}) {
+    const auto path = shared_data(std::string("landlab_dems/") + name);
+    SCREE_SKIP_WITHOUT(path, "landlab_dems");
+    EXPECT_THAT(flags_of(estimate({path->string()})), HasSubstr("smooth_short_lags")) << name;
+  }
+}
+
 }  // namespace
 }  // namespace scree::test
