@@ -4,7 +4,7 @@
 #include "core/cell_state.hpp"
 #include "core/executor.hpp"
 #include "core/grid.hpp"
-#include "fractal/reconstruction.hpp"
+#include "fractal/reconstruction/conditional.hpp"
 #include "mapping/distance.hpp"
 #include "mapping/ground_layers.hpp"
 

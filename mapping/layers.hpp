@@ -6,7 +6,7 @@
 #include "core/executor.hpp"
 #include "core/rolling_grid.hpp"
 #include "fractal/dimension_map.hpp"
-#include "fractal/reconstruction.hpp"
+#include "fractal/reconstruction/conditional.hpp"
 #include "mapping/cell_states.hpp"
 #include "mapping/cost.hpp"
 #include "mapping/ground_layers.hpp"

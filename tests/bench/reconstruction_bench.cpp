@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/random.hpp"
-#include "fractal/reconstruction.hpp"
-#include "tests/fractal/sparse_scene.hpp"
+#include "fractal/reconstruction/conditional.hpp"
+#include "tests/reconstruction/sparse_scene.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Preconditioned conjugate gradients for the blend prior with data.
 
-#include "fractal/multigrid.hpp"
+#include "fractal/reconstruction/multigrid.hpp"
 
 namespace scree::fractal {
 

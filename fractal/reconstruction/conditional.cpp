@@ -1,4 +1,4 @@
-#include "fractal/reconstruction.hpp"
+#include "fractal/reconstruction/conditional.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "fractal/blend_solver.hpp"
 #include "fractal/fourier.hpp"
-#include "fractal/residual_tile.hpp"
+#include "fractal/reconstruction/blend_solver.hpp"
+#include "fractal/reconstruction/residual_tile.hpp"
 
 namespace scree::fractal {
 namespace {

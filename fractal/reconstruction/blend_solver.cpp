@@ -1,4 +1,4 @@
-#include "fractal/blend_solver.hpp"
+#include "fractal/reconstruction/blend_solver.hpp"
 
 #include "core/simd.hpp"
 #include "fractal/lanes.hpp"

@@ -1,4 +1,4 @@
-#include "fractal/multigrid.hpp"
+#include "fractal/reconstruction/multigrid.hpp"
 
 #include <algorithm>
 

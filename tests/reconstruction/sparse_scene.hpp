@@ -6,7 +6,7 @@
 
 #include "core/grid.hpp"
 #include "core/random.hpp"
-#include "fractal/reconstruction.hpp"
+#include "fractal/reconstruction/conditional.hpp"
 
 namespace scree::fractal {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "fractal/band_cholesky.hpp"
-#include "fractal/blend_prior.hpp"
-#include "fractal/padded_field.hpp"
+#include "fractal/reconstruction/band_cholesky.hpp"
+#include "fractal/reconstruction/blend_prior.hpp"
+#include "fractal/reconstruction/padded_field.hpp"
 
 namespace scree::fractal {
 

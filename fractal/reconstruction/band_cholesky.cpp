@@ -1,4 +1,4 @@
-#include "fractal/band_cholesky.hpp"
+#include "fractal/reconstruction/band_cholesky.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "fractal/residual_tile.hpp"
+#include "fractal/reconstruction/residual_tile.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "fractal/multigrid.hpp"
+#include "fractal/reconstruction/multigrid.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/random.hpp"
-#include "fractal/blend_solver.hpp"
+#include "fractal/reconstruction/blend_solver.hpp"
 
 namespace scree::fractal {
 namespace {

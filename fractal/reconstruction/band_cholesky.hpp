@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "fractal/blend_prior.hpp"
+#include "fractal/reconstruction/blend_prior.hpp"
 
 namespace scree::fractal {
 

@@ -1,4 +1,4 @@
-#include "fractal/blend_prior.hpp"
+#include "fractal/reconstruction/blend_prior.hpp"
 
 #include <algorithm>
 #include <array>

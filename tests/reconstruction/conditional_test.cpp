@@ -1,11 +1,11 @@
-#include "fractal/reconstruction.hpp"
+#include "fractal/reconstruction/conditional.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "tests/fractal/sparse_scene.hpp"
+#include "tests/reconstruction/sparse_scene.hpp"
 
 namespace scree::fractal {
 namespace {
