@@ -1,5 +1,5 @@
 #pragma once
-// Exact ground of which a part is measured, with noise; and how rough a surface is, by the plainest estimator.
+// Exact ground of which a part is measured, with noise.
 
 #include <cmath>
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include "core/grid.hpp"
 #include "core/random.hpp"
 #include "fractal/reconstruction/conditional.hpp"
+#include "tests/reconstruction/surface_metrics.hpp"
 
 namespace scree::fractal {
 
@@ -33,22 +34,5 @@ struct SparseScene {
   }
   LatticeWindow window(CellIndex min = {0, 0}) const { return {min, height.rows(), height.columns()}; }
 };
-
-/// D by the first absolute moment over axis lags 1 … 16, unweighted log–log fit [Y89].
-inline double yokoya(const Grid<float>& z) {
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (int lag = 1; lag <= 16; ++lag) {
-    double sum = 0;
-    int n = 0;
-    for (int r = 0; r < z.rows(); ++r)
-      for (int c = 0; c < z.columns(); ++c) {
-        if (c + lag < z.columns()) sum += std::abs(z(r, c + lag) - z(r, c)), ++n;
-        if (r + lag < z.rows()) sum += std::abs(z(r + lag, c) - z(r, c)), ++n;
-      }
-    const double x = std::log(lag), y = std::log(sum / n);
-    sx += x, sy += y, sxx += x * x, sxy += x * y;
-  }
-  return 3.0 - (sxy - sx * sy / 16) / (sxx - sx * sx / 16);
-}
 
 }  // namespace scree::fractal

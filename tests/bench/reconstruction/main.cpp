@@ -1,0 +1,42 @@
+// The measured tables of docs/reconstruction.md, as Markdown on stdout. Arguments: --quick (a tenth of the surfaces),
+// names of sections (default: all).
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "tests/bench/reconstruction/report.hpp"
+
+namespace {
+
+using namespace scree::bench;
+
+struct Section {
+  std::string_view name;
+  void (*print)();
+};
+constexpr std::array kSections = {
+    Section{"conditional", conditional_section},
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string_view> wanted;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string_view(argv[i]) == "--quick")
+      quick = true;
+    else
+      wanted.emplace_back(argv[i]);
+  }
+  for (const auto name : wanted)
+    if (std::none_of(kSections.begin(), kSections.end(), [&](const Section& s) { return s.name == name; })) {
+      std::fprintf(stderr, "reconstruction_accuracy: unknown section %s\n", std::string(name).c_str());
+      return 64;
+    }
+  for (const Section& section : kSections) {
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), section.name) == wanted.end()) continue;
+    section.print();
+    std::fprintf(stderr, "reconstruction_accuracy: %s done\n", std::string(section.name).c_str());
+  }
+}

@@ -1,0 +1,10 @@
+#pragma once
+// Sections of the report on reconstruction; tables and loops over surfaces are those of the report on dimension.
+
+#include "tests/bench/dimension/report.hpp"
+
+namespace scree::bench {
+
+void conditional_section();
+
+}  // namespace scree::bench
