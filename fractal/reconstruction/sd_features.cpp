@@ -1,0 +1,103 @@
+#include "fractal/reconstruction/sd_features.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/simd.hpp"
+#include "fractal/lanes.hpp"
+
+namespace scree::fractal {
+namespace {
+
+constexpr double kDensityReach = 0.6;  // sd of the smoothing over the spacing of the data
+constexpr int kMaxRadius = 64;
+constexpr double kLeastDensity = 0.05;  // of the mean: where the smoothing sees no datum at all
+
+SCREE_CLONES void log_of(const float* x, float factor, float lowest, float* out, int n) {
+  for (int i = 0; i < n; ++i) {
+    float log;
+    fast_log<float, std::int32_t>(factor * x[i] > lowest ? factor * x[i] : lowest, log);
+    out[i] = log;
+  }
+}
+
+/// Distances of unmeasured cells; of measured ones the distance that the density lets expect without them.
+SCREE_CLONES void log_distances(const std::int32_t* __restrict squared, const float* __restrict log_rho,
+                                float* __restrict out, int n) {
+  constexpr float kLog2 = 0.69314718F;
+  for (int i = 0; i < n; ++i) {
+    float log;
+    fast_log<float, std::int32_t>(static_cast<float>(std::max(squared[i], 1)), log);
+    const float alone = std::max(-0.5F * log_rho[i] - kLog2, 0.0F);
+    out[i] = squared[i] == 0 ? alone : 0.5F * log;
+  }
+}
+
+SCREE_CLONES void multiply(const float* __restrict a, const float* __restrict b, float* __restrict out, int n) {
+  for (int i = 0; i < n; ++i) out[i] = a[i] * b[i];
+}
+
+}  // namespace
+
+void SdFeatures::measure(const Grid<float>& variance_m2, Executor& executor) {
+  const int rows = variance_m2.rows(), columns = variance_m2.columns();
+  if (measured_.rows() != rows || measured_.columns() != columns) {
+    measured_.assign(rows, columns, 0);
+    for (Grid<float>* grid : {&log_d_, &log_rho_}) grid->assign(rows, columns, 0.0F);
+  }
+  int count = 0;
+  for (std::size_t i = 0; i < variance_m2.size(); ++i) {
+    measured_[i] = variance_m2[i] > 0.0F ? 1 : 0;
+    count += measured_[i];
+  }
+  measured_cells_ = count;
+  spacing_cells_ = std::sqrt(static_cast<double>(variance_m2.size()) / std::max(measured_cells_, 1.0));
+  if (count == 0) return;
+  distance_.transform(measured_, executor, squared_);
+  measure_density(executor);
+}
+
+void SdFeatures::measure_density(Executor& executor) {
+  const int rows = measured_.rows(), columns = measured_.columns();
+  density_.resize(rows, columns, std::min(BoxCascade::radius_of(kDensityReach * spacing_cells_), kMaxRadius));
+  for (int r = 0; r < rows; ++r) std::copy_n(measured_.row(r).begin(), columns, density_.row(r).begin());
+  density_.smooth();
+  const auto least = static_cast<float>(kLeastDensity / (spacing_cells_ * spacing_cells_));
+  const auto logs = [&](int begin, int end) {
+    for (int r = begin; r < end; ++r) {
+      const auto inside = density_.weight_of_columns();
+      const float own = density_.own_weight();
+      float* rho = log_rho_.row(r).data();
+      for (int c = 0; c < columns; ++c)
+        rho[c] = (density_.smoothed(r)[static_cast<std::size_t>(c)] - own * static_cast<float>(measured_(r, c))) /
+                 inside[static_cast<std::size_t>(c)];
+      log_of(rho, 1.0F / density_.weight_of_row(r), least, rho, columns);
+      log_distances(squared_.row(r).data(), rho, log_d_.row(r).data(), columns);
+    }
+  };
+  executor.for_ranges(rows, std::ref(logs));
+}
+
+void SdFeatures::load(int row, int begin, const LawMap& law, double cell_m, Block& block) const {
+  const int n = block.n = std::min(kBlock, measured_.columns() - begin);
+  block.terms = terms(law);
+  const float *d = log_d_.row(row).data() + begin, *rho = log_rho_.row(row).data() + begin;
+  std::copy_n(d, n, block.x[0].data());
+  multiply(d, d, block.x[1].data(), n);
+  std::copy_n(rho, n, block.x[2].data());
+  multiply(d, rho, block.x[3].data(), n);
+  if (!law.varies()) {
+    std::fill_n(block.log_unit2.data(), n, static_cast<float>(2.0 * std::log(law.law.rms_change_m(cell_m))));
+    return;
+  }
+  const auto log_cell = static_cast<float>(2.0 * std::log(cell_m));
+  for (int i = 0; i < n; ++i) block.x[4][static_cast<std::size_t>(i)] = 3.0F - law.dimension(row, begin + i);
+  multiply(block.x[4].data(), d, block.x[5].data(), n);
+  multiply(block.x[4].data(), rho, block.x[6].data(), n);
+  log_of(law.amplitude_m.row(row).data() + begin, 1.0F, 1e-30F, block.log_unit2.data(), n);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
+    block.log_unit2[i] = 2.0F * block.log_unit2[i] + log_cell * block.x[4][i];
+}
+
+}  // namespace scree::fractal

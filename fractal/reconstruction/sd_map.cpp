@@ -1,0 +1,191 @@
+#include "fractal/reconstruction/sd_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "core/simd.hpp"
+#include "fractal/lanes.hpp"
+
+namespace scree::fractal {
+namespace {
+
+constexpr int kBlock = SdFeatures::kBlock;
+constexpr double kRatioReach = 2.0;  // sd of the smoothing over the spacing of the data
+constexpr int kMaxRadius = 64;
+constexpr double kRidge = 20.0;
+constexpr double kFewCells = 32.0;
+constexpr float kTiny = 1e-30F;
+
+SCREE_CLONES void log_of(const float* __restrict x, float* __restrict out, int n) {
+  for (int i = 0; i < n; ++i) {
+    float log;
+    fast_log<float, std::int32_t>(x[i] > kTiny ? x[i] : kTiny, log);
+    out[i] = log;
+  }
+}
+
+SCREE_CLONES void add_scaled(const float* __restrict a, float factor, float* __restrict out, int n) {
+  for (int i = 0; i < n; ++i) out[i] += factor * a[i];
+}
+
+SCREE_CLONES void exp_in_place(float* x, int n) {
+  for (int i = 0; i < n; ++i) x[i] = fast_exp(std::min(std::max(x[i], -80.0F), 80.0F));
+}
+
+/// `variance` > 0: of a datum in the cell.
+SCREE_CLONES void write_row(const float* __restrict variance, const float* __restrict alone, float* __restrict sd,
+                            int n) {
+  for (int i = 0; i < n; ++i) {
+    const float inverse = 1.0F / alone[i] + (variance[i] > 0.0F ? 1.0F / variance[i] : 0.0F);
+    float log;
+    fast_log<float, std::int32_t>(inverse, log);
+    sd[i] = fast_exp(-0.5F * log);  // a square root would call for errno and stay scalar
+  }
+}
+
+}  // namespace
+
+void SdMap::fit(const Grid<float>& mean_square_m2, const LawMap& law, double cell_m, Executor& executor) {
+  const Grid<std::uint8_t>& measured = features_.measured();
+  const int rows = measured.rows(), columns = measured.columns();
+  regression_.resize(rows, SdFeatures::terms(law));
+  const auto sums = [&](int first, int last) {
+    SdFeatures::Block block;
+    alignas(64) std::array<float, kBlock> y, weight;
+    for (int r = first; r < last; ++r)
+      for (int begin = 0; begin < columns; begin += kBlock) {
+        features_.load(r, begin, law, cell_m, block);
+        log_of(mean_square_m2.row(r).data() + begin, y.data(), block.n);
+        add_scaled(block.log_unit2.data(), -1.0F, y.data(), block.n);
+        for (int i = 0; i < block.n; ++i)
+          weight[static_cast<std::size_t>(i)] = measured(r, begin + i) != 0 ? 0.0F : 1.0F;
+        std::array<const float*, LogRegression::kMaxTerms - 1> x = {};
+        for (std::size_t j = 0; j < x.size(); ++j) x[j] = block.x[j].data();
+        regression_.add_row(r, x, y.data(), weight.data(), block.n);
+      }
+  };
+  executor.for_ranges(rows, std::ref(sums));
+  // Alone under an open sky the variance grows with distance as the variogram does.
+  LogRegression::Coefficients expected = {};
+  if (law.varies())
+    expected[6] = 2.0;
+  else
+    expected[1] = 2.0 * law.law.hurst();
+  coefficients_ = regression_.fit(expected, kRidge);
+}
+
+/// Hardly a cell is unmeasured: v' = level·σ² everywhere, such that Σ of mean squares over variances is the number of
+/// cells. Of many cells every n-th decides.
+void SdMap::fit_level(const Grid<float>& mean_square_m2, const Grid<float>& variance_m2, const LawMap& law,
+                      double cell_m) {
+  const int columns = features_.measured().columns();
+  const std::size_t step = 1 + mean_square_m2.size() / 4096;
+  const auto ratio = [&](double level) {
+    double sum = 0.0, n = 0.0;
+    for (std::size_t i = 0; i < mean_square_m2.size(); i += step) {
+      const auto cell = static_cast<int>(i);
+      const double unit = law.at(cell / columns, cell % columns).rms_change_m(cell_m);
+      const double alone = level * unit * unit;
+      const double v =
+          features_.measured()[i] != 0 ? 1.0 / (1.0 / static_cast<double>(variance_m2[i]) + 1.0 / alone) : alone;
+      sum += static_cast<double>(mean_square_m2[i]) / v;
+      n += 1.0;
+    }
+    return sum / n;
+  };
+  double low = std::log(1e-4), high = std::log(1e4);
+  for (int pass = 0; pass < 20; ++pass) {
+    const double middle = 0.5 * (low + high);
+    (ratio(std::exp(middle)) > 1.0 ? low : high) = middle;
+  }
+  coefficients_ = {0.5 * (low + high)};
+}
+
+void SdMap::predict(const Grid<float>& mean_square_m2, const LawMap& law, double cell_m, Executor& executor) {
+  const Grid<std::uint8_t>& measured = features_.measured();
+  const int rows = measured.rows(), columns = measured.columns();
+  ratio_.resize(rows, columns, std::min(BoxCascade::radius_of(kRatioReach * features_.spacing_cells()), kMaxRadius));
+  const auto pass = [&](int first, int last) {
+    SdFeatures::Block block;
+    for (int r = first; r < last; ++r) {
+      double sum = 0.0;
+      for (int begin = 0; begin < columns; begin += kBlock) {
+        features_.load(r, begin, law, cell_m, block);
+        float* model = model_m2_.row(r).data() + begin;
+        for (int i = 0; i < block.n; ++i)
+          model[i] = static_cast<float>(coefficients_[0]) + block.log_unit2[static_cast<std::size_t>(i)];
+        for (std::size_t j = 1; j < static_cast<std::size_t>(block.terms); ++j)
+          add_scaled(block.x[j - 1].data(), static_cast<float>(coefficients_[j]), model, block.n);
+        exp_in_place(model, block.n);
+        const auto ratio = ratio_.row(r).subspan(static_cast<std::size_t>(begin));
+        for (int i = 0; i < block.n; ++i) {
+          const float q = measured(r, begin + i) != 0 ? 0.0F : mean_square_m2(r, begin + i) / model[i];
+          ratio[static_cast<std::size_t>(i)] = q;
+          sum += static_cast<double>(q);
+        }
+      }
+      row_ratio_[static_cast<std::size_t>(r)] = sum;
+    }
+  };
+  executor.for_ranges(rows, std::ref(pass));
+}
+
+void SdMap::smooth_ratio(bool level_known) {
+  const Grid<std::uint8_t>& measured = features_.measured();
+  double sum = 0.0;
+  for (const double row : row_ratio_) sum += row;
+  mean_ratio_ = level_known ? 1.0 : sum / (static_cast<double>(measured.size()) - features_.measured_cells());
+  for (int r = 0; r < measured.rows(); ++r) {  // measured cells say nothing for or against the model
+    const auto ratio = ratio_.row(r);
+    for (int c = 0; c < measured.columns(); ++c)
+      if (measured(r, c) != 0) ratio[static_cast<std::size_t>(c)] = static_cast<float>(mean_ratio_);
+  }
+  ratio_.smooth();
+}
+
+void SdMap::write(const Grid<float>& variance_m2, int fields, Executor& executor, Grid<float>& sd_m) const {
+  const int columns = sd_m.columns();
+  const auto mean = static_cast<float>(mean_ratio_);
+  const float share = 1.0F / (1.0F + 8.0F / static_cast<float>(fields));
+  const auto pass = [&](int first, int last) {
+    alignas(64) std::array<float, kBlock> alone;
+    for (int r = first; r < last; ++r)
+      for (int begin = 0; begin < columns; begin += kBlock) {
+        const int n = std::min(kBlock, columns - begin);
+        const float* model = model_m2_.row(r).data() + begin;
+        const float *ratio = ratio_.smoothed(r).data() + begin, *inside = ratio_.weight_of_columns().data() + begin;
+        const float down = 1.0F / ratio_.weight_of_row(r);
+        for (int i = 0; i < n; ++i)
+          alone[static_cast<std::size_t>(i)] = model[i] * (mean + share * (down * ratio[i] / inside[i] - mean));
+        write_row(variance_m2.row(r).data() + begin, alone.data(), sd_m.row(r).data() + begin, n);
+      }
+  };
+  executor.for_ranges(sd_m.rows(), std::ref(pass));
+}
+
+void SdMap::estimate(const Grid<float>& mean_square_m2, int fields, const Grid<float>& variance_m2, const LawMap& law,
+                     double cell_m, Executor& executor, Grid<float>& sd_m) {
+  const int rows = variance_m2.rows(), columns = variance_m2.columns();
+  assert(mean_square_m2.rows() == rows && mean_square_m2.columns() == columns && fields >= 1);
+  sd_m.assign(rows, columns, std::numeric_limits<float>::quiet_NaN());
+  features_.measure(variance_m2, executor);
+  if (features_.measured_cells() < 1.0) return;
+  if (model_m2_.rows() != rows || model_m2_.columns() != columns) {
+    model_m2_.assign(rows, columns, 0.0F);
+    row_ratio_.assign(static_cast<std::size_t>(rows), 0.0);
+  }
+  const bool few = static_cast<double>(variance_m2.size()) - features_.measured_cells() < kFewCells;
+  if (few)
+    fit_level(mean_square_m2, variance_m2, law, cell_m);
+  else
+    fit(mean_square_m2, law, cell_m, executor);
+  predict(mean_square_m2, law, cell_m, executor);
+  smooth_ratio(few);
+  write(variance_m2, fields, executor, sd_m);
+}
+
+}  // namespace scree::fractal
