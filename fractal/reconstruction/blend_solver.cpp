@@ -1,80 +1,72 @@
 #include "fractal/reconstruction/blend_solver.hpp"
 
-#include "core/simd.hpp"
-#include "fractal/lanes.hpp"
+#include <algorithm>
+
+#include "fractal/reconstruction/stencil_rows.hpp"
 
 namespace scree::fractal {
-namespace {
 
-SCREE_CLONES double dot_row(const float* a, const float* b, int n) {
-  Lanes total = {};
-  int i = 0;
-  for (; i + 8 <= n; i += 8) {
-    Lanes x, y;
-    std::memcpy(&x, a + i, sizeof x);
-    std::memcpy(&y, b + i, sizeof y);
-    total += x * y;
+/// r = b − A·x; nothing to subtract from x = 0.
+void BlendSolver::start(const BlendOperator::Level& fine, const PaddedField& b, PaddedField& x) {
+  const int rows = x.rows(), columns = x.columns();
+  for (PaddedField* field : {&r_, &z_, &p_, &q_}) field->reshape(rows, columns);
+  bool cold = true;
+  for (int r = 0; r < rows && cold; ++r)
+    cold = std::all_of(x.row(r), x.row(r) + columns, [](float v) { return v == 0.0F; });
+  for (int r = 0; r < rows && !cold; ++r) x.reflect_columns(r);
+  operator_.start(fine, x);
+  for (int r = 0; r < rows; ++r)
+    if (cold)
+      std::copy_n(b.row(r), columns, r_.row(r));
+    else
+      operator_.residual(r, b.row(r), r_.row(r));
+}
+
+double BlendSolver::turn(const BlendOperator::Level& fine, float beta) {
+  const int rows = p_.rows(), columns = p_.columns();
+  double curvature = 0.0;
+  operator_.start(fine, p_);
+  for (int ahead = 0; ahead < rows + 2; ++ahead) {
+    if (ahead < rows) {
+      direction_row(beta, z_.row(ahead), p_.row(ahead), columns);
+      p_.reflect_columns(ahead);
+    }
+    const int row = ahead - 2;
+    if (row < 0) continue;
+    operator_.residual(row, operator_.zeros(), q_.row(row));
+    curvature -= dot_row(p_.row(row), q_.row(row), columns);
   }
-  float rest = 0.0F;
-  for (; i < n; ++i) rest += a[i] * b[i];
-  return static_cast<double>(sum(total)) + static_cast<double>(rest);
+  return curvature;
 }
-
-double dot(const PaddedField& a, const PaddedField& b) {
-  double total = 0.0;
-  for (int r = 0; r < a.rows(); ++r) total += dot_row(a.row(r), b.row(r), a.columns());
-  return total;
-}
-
-SCREE_CLONES void advance_row(float alpha, const float* __restrict p, const float* __restrict q, float* __restrict x,
-                              float* __restrict r, int n) {
-  for (int i = 0; i < n; ++i) {
-    x[i] += alpha * p[i];
-    r[i] += alpha * q[i];  // q holds −A·p
-  }
-}
-
-SCREE_CLONES void direction_row(float beta, const float* __restrict z, float* __restrict p, int n) {
-  for (int i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
-}
-
-}  // namespace
 
 SolveReport BlendSolver::solve(const BlendOperator& matrix, const PaddedField& b, double tolerance, int max_iterations,
                                PaddedField& x) {
   const BlendOperator::Level& fine = matrix.levels().front();
   const int rows = x.rows(), columns = x.columns();
-  if (zero_.rows() != rows || zero_.columns() != columns)
-    for (PaddedField* field : {&r_, &z_, &p_, &q_, &zero_}) field->resize(rows, columns);
-  cycle_.resize(matrix);
   const double enough = tolerance * tolerance * rows * columns;
-
-  for (int r = 0; r < rows; ++r) x.reflect_columns(r);
-  BlendOperator::residual(fine, x, b, r_);
-  cycle_.apply(matrix, r_, z_);
-  double rz = dot(r_, z_);
+  cycle_.resize(matrix);
+  start(fine, b, x);
+  double rz = cycle_.apply(matrix, r_, z_);
   SolveReport report{1, rz < enough};
-  p_ = z_;
+  float beta = 0.0F;
   while (!report.converged && report.iterations < max_iterations) {
-    BlendOperator::residual(fine, p_, zero_, q_);
-    const double curvature = -dot(p_, q_);
+    if (report.iterations == 1)
+      for (int r = 0; r < rows; ++r) std::fill_n(p_.row(r), columns, 0.0F);  // what an earlier solve left
+    const double curvature = turn(fine, beta);
     if (!(curvature > 0.0)) break;  // float rounding has eaten the direction
-    const auto alpha = static_cast<float>(rz / curvature);
-    for (int r = 0; r < rows; ++r) advance_row(alpha, p_.row(r), q_.row(r), x.row(r), r_.row(r), columns);
-    cycle_.apply(matrix, r_, z_);
-    const double next = dot(r_, z_);
-    const auto beta = static_cast<float>(next / rz);
-    for (int r = 0; r < rows; ++r) {
-      direction_row(beta, z_.row(r), p_.row(r), columns);
-      p_.reflect_columns(r);
-    }
+    const Advance step{static_cast<float>(rz / curvature), &p_, &q_, &x};
+    const double next = cycle_.apply(matrix, step, r_, z_);
+    beta = static_cast<float>(next / rz);
     rz = next;
     ++report.iterations;
     report.converged = rz < enough;
   }
   // The last cycle's correction costs nothing more and halves the error again.
-  for (int r = 0; r < rows; ++r)
-    for (int c = 0; c < columns; ++c) x.row(r)[c] += z_.row(r)[c];
+  for (int r = 0; r < rows; ++r) {
+    float* out = x.row(r);
+    const float* z = z_.row(r);
+    for (int c = 0; c < columns; ++c) out[c] += z[c];
+  }
   return report;
 }
 

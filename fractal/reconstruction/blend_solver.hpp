@@ -1,7 +1,7 @@
 #pragma once
 // Preconditioned conjugate gradients for the blend prior with data.
 
-#include "fractal/reconstruction/multigrid.hpp"
+#include "fractal/reconstruction/v_cycle.hpp"
 
 namespace scree::fractal {
 
@@ -12,7 +12,8 @@ struct SolveReport {
 
 /// Solves A·x = b by conjugate gradients with one V-cycle an iteration, until r·z < tolerance² · cells: r·z estimates
 /// the energy of the error, and that of a posterior sample is about the number of cells, so the criterion has no unit
-/// and does not ask for digits that the data do not hold. A relative residual would.
+/// and does not ask for digits that the data do not hold. A relative residual would. Three passes over the finest grid
+/// an iteration.
 class BlendSolver {
  public:
   /// `x` holds the first guess and receives the solution; its ghost columns need not be current. Deterministic.
@@ -20,8 +21,13 @@ class BlendSolver {
                     PaddedField& x);
 
  private:
+  void start(const BlendOperator::Level& fine, const PaddedField& b, PaddedField& x);
+  /// p = z + β·p and q = −A·p; returns p'·A·p.
+  double turn(const BlendOperator::Level& fine, float beta);
+
   VCycle cycle_;
-  PaddedField r_, z_, p_, q_, zero_;
+  OperatorRows operator_;
+  PaddedField r_, z_, p_, q_;
 };
 
 }  // namespace scree::fractal

@@ -2,94 +2,88 @@
 
 #include <algorithm>
 
-#include "core/simd.hpp"
+#include "fractal/reconstruction/stencil_rows.hpp"
 
 namespace scree::fractal {
 namespace {
 
-struct Stencil {
-  float centre, side, diagonal, far;
-  explicit Stencil(BlendWeights w)
-      : centre(4 * w.w1 + 20 * w.w2), side(-w.w1 - 8 * w.w2), diagonal(2 * w.w2), far(w.w2) {}
-  /// Largest eigenvalue of the prior part (at the chequerboard).
-  static float largest(BlendWeights w) { return 8 * w.w1 + 64 * w.w2; }
+/// Into the level's transfer and step, from c in its diagonal.
+void uniform_smoother(BlendOperator::Level& level) {
+  const BlendWeights w = level.prior.uniform;
+  const float d0 = 4 * w.w1 + 20 * w.w2, largest = 8 * w.w1 + 64 * w.w2;  // largest: at the chequerboard
+  level.step_factor = 4.0F / (3.0F * largest);
+  for (int r = 0; r < level.diagonal.rows(); ++r) {
+    const float* c = level.diagonal.row(r);
+    float* s = level.transfer.row(r);
+    for (int i = 0; i < level.diagonal.columns(); ++i) s[i] = d0 / (d0 + c[i]);
+  }
+}
+
+/// A cell's four neighbours: factor of the edge, weights.
+struct Neighbour {
+  float e, w1, w2;
 };
 
-/// out = b − A·x on one row; x holds the rows −2 … 2 around it.
-SCREE_CLONES void residual_row(const Stencil& a, const float* const* x, const float* c, const float* b, float* out,
-                               int n) {
-  const float* __restrict up2 = x[0], * __restrict up = x[1], * __restrict mid = x[2], * __restrict down = x[3], * __restrict down2 = x[4];
-  const float centre = a.centre, side = a.side, diagonal = a.diagonal, far = a.far;
-  for (int i = 0; i < n; ++i) {
-    const float sides = (mid[i - 1] + mid[i + 1]) + (up[i] + down[i]);
-    const float diagonals = (up[i - 1] + up[i + 1]) + (down[i - 1] + down[i + 1]);
-    const float fars = (mid[i - 2] + mid[i + 2]) + (up2[i] + down2[i]);
-    out[i] = b[i] - ((centre + c[i]) * mid[i] + side * sides + diagonal * diagonals + far * fars);
+struct Neighbourhood {
+  Neighbour sides[4];
+
+  Neighbourhood(const BlendField& p, int r, int c) {
+    const bool broken = p.broken();
+    const float* w1[3] = {p.w1.reflected(r - 1), p.w1.row(r), p.w1.reflected(r + 1)};
+    const float* w2[3] = {p.w2.reflected(r - 1), p.w2.row(r), p.w2.reflected(r + 1)};
+    sides[0] = {broken ? p.right.row(r)[c] : 1.0F, w1[1][c + 1], w2[1][c + 1]};
+    sides[1] = {broken ? p.right.row(r)[c - 1] : 1.0F, w1[1][c - 1], w2[1][c - 1]};
+    sides[2] = {broken ? p.down.row(r)[c] : 1.0F, w1[2][c], w2[2][c]};
+    sides[3] = {broken ? p.down.reflected(r - 1)[c] : 1.0F, w1[0][c], w2[0][c]};
   }
-}
+};
 
-SCREE_CLONES void multiply_row(const float* __restrict a, const float* __restrict b, float* __restrict out, int n) {
-  for (int i = 0; i < n; ++i) out[i] = a[i] * b[i];
-}
-
-SCREE_CLONES void add_product_row(const float* __restrict a, const float* __restrict b, float* __restrict out, int n) {
-  for (int i = 0; i < n; ++i) out[i] += a[i] * b[i];
-}
-
-/// line[i] = (1·r0 + 3·r1 + 3·r2 + 1·r3) of values times their transfer weights.
-SCREE_CLONES void gather_rows(const float* const* t, const float* const* s, float* __restrict line, int n) {
-  for (int i = 0; i < n; ++i)
-    line[i] = (t[0][i] * s[0][i] + t[3][i] * s[3][i]) + 3.0F * (t[1][i] * s[1][i] + t[2][i] * s[2][i]);
-}
-
-/// coarse = P'(S·fine), summing: each fine cell hands out its whole value.
-void restrict_to(const PaddedField& fine, const PaddedField& transfer, std::vector<float>& line, PaddedField& coarse) {
-  const int n = fine.columns();
-  line.resize(static_cast<std::size_t>(n) + 2);
-  float* centre = line.data() + 1;
-  for (int row = 0; row < coarse.rows(); ++row) {
-    const float *t[4], *s[4];
-    for (int k = 0; k < 4; ++k) {
-      t[k] = fine.reflected(2 * row - 1 + k);
-      s[k] = transfer.reflected(2 * row - 1 + k);
+/// The same of a prior that varies.
+void varying_smoother(BlendOperator::Level& level) {
+  const BlendField& prior = level.prior;
+  const auto sum_of_edges = [&prior](int r, int c) {
+    if (!prior.broken()) return 4.0F;
+    return (prior.right.row(r)[c] + prior.right.row(r)[c - 1]) +
+           (prior.down.row(r)[c] + prior.down.reflected(r - 1)[c]);
+  };
+  for (int r = 0; r < level.diagonal.rows(); ++r) {
+    const float* c = level.diagonal.row(r);
+    float *s = level.transfer.row(r), *step = level.step.row(r);
+    const float *w1 = prior.w1.row(r), *w2 = prior.w2.row(r);
+    float* half = level.half_w1.row(r);
+    for (int i = 0; i < level.diagonal.columns(); ++i) {
+      const Neighbourhood around(prior, r, i);
+      const float edges = sum_of_edges(r, i);
+      float flux = 0.0F, bend = w2[i] * edges * edges, bend_sum = 2.0F * bend;
+      for (const Neighbour& n : around.sides) {
+        flux += n.e * 0.5F * (w1[i] + n.w1);
+        bend += n.e * n.e * n.w2;
+        bend_sum += n.e * n.w2 * 8.0F;  // 2·(sum of the neighbour's edges), at most
+      }
+      const float d0 = flux + bend, l1 = 2.0F * flux + bend_sum;
+      s[i] = d0 / (d0 + c[i]);
+      step[i] = 4.0F / (3.0F * l1) * s[i];
+      half[i] = 0.5F * w1[i];
     }
-    gather_rows(t, s, centre, n);
-    centre[-1] = centre[0];
-    centre[n] = centre[n - 1];
-    float* out = coarse.row(row);
-    for (int j = 0; j < coarse.columns(); ++j)
-      out[j] = (1.0F / 16.0F) * ((centre[2 * j - 1] + centre[2 * j + 2]) + 3.0F * (centre[2 * j] + centre[2 * j + 1]));
   }
 }
 
-SCREE_CLONES void blend_rows(const float* near, const float* away, float* __restrict line, int n) {
-  for (int i = 0; i < n; ++i) line[i] = 0.75F * near[i] + 0.25F * away[i];
-}
-
-/// fine += S·P·coarse; the ghost columns of coarse must be current.
-void add_prolonged(const PaddedField& coarse, const PaddedField& transfer, std::vector<float>& line,
-                   PaddedField& fine) {
-  const int n = coarse.columns();
-  line.resize(static_cast<std::size_t>(n) + 2 + static_cast<std::size_t>(fine.columns()));
-  float* centre = line.data() + 1;
-  float* spread = line.data() + n + 2;
-  for (int row = 0; row < fine.rows(); ++row) {
-    const int near = row / 2, away = row % 2 ? near + 1 : near - 1;
-    blend_rows(coarse.row(near) - 1, coarse.reflected(away) - 1, centre - 1, n + 2);
-    for (int j = 0; j < n; ++j) {
-      spread[2 * j] = 0.75F * centre[j] + 0.25F * centre[j - 1];
-      spread[2 * j + 1] = 0.75F * centre[j] + 0.25F * centre[j + 1];
-    }
-    add_product_row(transfer.row(row), spread, fine.row(row), fine.columns());
+/// Turns c in the diagonal into c − ½·L_e·w1.
+void varying_diagonal(BlendOperator::Level& level) {
+  for (int r = 0; r < level.diagonal.rows(); ++r) {
+    const float* w1 = level.prior.w1.row(r);
+    float* c = level.diagonal.row(r);
+    for (int i = 0; i < level.diagonal.columns(); ++i)
+      for (const Neighbour& n : Neighbourhood(level.prior, r, i).sides) c[i] -= 0.5F * n.e * (w1[i] - n.w1);
   }
 }
 
-void reflect_all_columns(PaddedField& field) {
-  for (int r = 0; r < field.rows(); ++r) field.reflect_columns(r);
-}
-
-void resize_if_needed(PaddedField& field, int rows, int columns) {
-  if (field.rows() != rows || field.columns() != columns) field.resize(rows, columns);
+void fill(PaddedField& field, int rows, int columns, float value) {
+  field.resize(rows, columns);
+  for (int r = 0; r < rows; ++r) {
+    std::fill_n(field.row(r), columns, value);
+    field.reflect_columns(r);
+  }
 }
 
 }  // namespace
@@ -101,96 +95,71 @@ MultigridShape::MultigridShape(int window_rows, int window_columns) {
     shorter = (shorter + 1) / 2;
     longer = (longer + 1) / 2;
   }
+  // One level more where it costs no margin: a direct solve of 16 × 16 cells is a tenth of a cycle at 256 × 256.
   const int unit = 1 << levels;
   const auto padded = [unit](int side) { return (std::max(side, 4) + unit - 1) / unit * unit; };
   rows = padded(window_rows);
   columns = padded(window_columns);
+  if (shorter > 8 && rows % (2 * unit) == 0 && columns % (2 * unit) == 0) ++levels;
 }
 
 void BlendOperator::set_up(const MultigridShape& shape, BlendWeights weights, const PaddedField& precision) {
+  BlendField prior;
+  prior.uniform = weights;
+  set_up(shape, prior, precision);
+}
+
+void BlendOperator::set_up(const MultigridShape& shape, const BlendField& prior, const PaddedField& precision) {
   levels_.resize(static_cast<std::size_t>(shape.levels) + 1);
-  std::vector<float>& line = coarse_precision_;  // scratch until the coarsest level needs it
+  BlendField& finest = levels_.front().prior;
+  finest = prior;
+  if (finest.broken() && !finest.varies()) {
+    fill(finest.w1, shape.rows, shape.columns, prior.uniform.w1);
+    fill(finest.w2, shape.rows, shape.columns, prior.uniform.w2);
+  }
+  for (PaddedField* field : {&finest.w1, &finest.w2, &finest.right, &finest.down})
+    for (int r = 0; r < field->rows(); ++r) field->reflect_columns(r);
+  set_up_levels(shape, precision);
+}
+
+/// c of the next level, 0.7·P'(S·c), from c in the fine level's diagonal.
+void BlendOperator::coarse_precision(const Level& fine, PaddedField& coarse) {
+  const PaddedField& c = fine.diagonal;
+  const auto n = static_cast<std::size_t>(c.columns());
+  ring_.resize(4 * n);
+  line_.resize(n + 2);
+  for (int j = 0; j < coarse.rows(); ++j) {
+    const float* rows[4];
+    for (int k = 0; k < 4; ++k) {
+      const int row = std::clamp(2 * j - 1 + k, 0, c.rows() - 1);
+      float* product = ring_.data() + static_cast<std::size_t>(k) * n;
+      scaled_product_row(0.7F, c.row(row), fine.transfer.row(row), product, c.columns());
+      rows[k] = product;
+    }
+    restrict_row(rows, line_.data(), coarse.row(j), coarse.columns());
+  }
+}
+
+void BlendOperator::set_up_levels(const MultigridShape& shape, const PaddedField& precision) {
+  levels_.front().diagonal = precision;
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     Level& level = levels_[l];
     const int rows = shape.rows >> l, columns = shape.columns >> l;
-    for (PaddedField* field : {&level.precision, &level.step, &level.transfer}) resize_if_needed(*field, rows, columns);
-    level.weights = {weights.w1, l == 0 ? weights.w2 : levels_[l - 1].weights.w2 / 4.0F};
-    if (l == 0) {
-      level.precision = precision;
-    } else {
-      restrict_to(levels_[l - 1].precision, levels_[l - 1].transfer, line, level.precision);
+    for (PaddedField* field : {&level.diagonal, &level.transfer}) field->reshape(rows, columns);
+    if (l > 0) {
+      coarsen(levels_[l - 1].prior, level.prior);
+      coarse_precision(levels_[l - 1], level.diagonal);
+      if (levels_[l - 1].varies()) varying_diagonal(levels_[l - 1]);
     }
-    const float d0 = Stencil(level.weights).centre, step = 4.0F * d0 / (3.0F * Stencil::largest(level.weights));
-    for (int r = 0; r < rows; ++r) {
-      float *c = level.precision.row(r), *s = level.step.row(r), *t = level.transfer.row(r);
-      const float lumping = l == 0 ? 1.0F : 0.7F;
-      for (int i = 0; i < columns; ++i) {
-        c[i] *= lumping;
-        t[i] = d0 / (d0 + c[i]);
-        s[i] = step / (d0 + c[i]);
-      }
-      level.transfer.reflect_columns(r);
+    if (!level.varies()) {
+      uniform_smoother(level);
+      continue;
     }
+    for (PaddedField* field : {&level.step, &level.half_w1}) field->reshape(rows, columns);
+    varying_smoother(level);
   }
-  const Level& last = levels_.back();
-  coarse_precision_.clear();
-  for (int r = 0; r < last.precision.rows(); ++r)
-    coarse_precision_.insert(coarse_precision_.end(), last.precision.row(r),
-                             last.precision.row(r) + last.precision.columns());
-  coarsest_.factor(last.precision.rows(), last.precision.columns(), last.weights, coarse_precision_);
-}
-
-void BlendOperator::residual(const Level& level, const PaddedField& x, const PaddedField& b, PaddedField& out) {
-  const Stencil stencil(level.weights);
-  for (int r = 0; r < x.rows(); ++r) {
-    const float* around[5];
-    for (int k = 0; k < 5; ++k) around[k] = x.reflected(r - 2 + k);
-    residual_row(stencil, around, level.precision.row(r), b.row(r), out.row(r), x.columns());
-  }
-}
-
-void VCycle::resize(const BlendOperator& matrix) {
-  buffers_.resize(matrix.levels().size());
-  for (std::size_t l = 0; l < buffers_.size(); ++l) {
-    const PaddedField& shape = matrix.levels()[l].precision;
-    for (PaddedField* field : {&buffers_[l].x, &buffers_[l].b, &buffers_[l].t})
-      resize_if_needed(*field, shape.rows(), shape.columns());
-  }
-}
-
-void VCycle::apply(const BlendOperator& matrix, const PaddedField& r, PaddedField& z) {
-  descend(matrix, 0, r, z);
-}
-
-void VCycle::descend(const BlendOperator& matrix, std::size_t level, const PaddedField& b, PaddedField& x) {
-  if (level + 1 == matrix.levels().size()) return solve_coarsest(matrix, b, x);
-  const BlendOperator::Level& here = matrix.levels()[level];
-  PaddedField& t = buffers_[level].t;
-  for (int r = 0; r < x.rows(); ++r) {
-    multiply_row(here.step.row(r), b.row(r), x.row(r), x.columns());
-    x.reflect_columns(r);
-  }
-  BlendOperator::residual(here, x, b, t);
-  restrict_to(t, here.transfer, line_, buffers_[level + 1].b);
-  descend(matrix, level + 1, buffers_[level + 1].b, buffers_[level + 1].x);
-  add_prolonged(buffers_[level + 1].x, here.transfer, line_, x);
-  reflect_all_columns(x);
-  BlendOperator::residual(here, x, b, t);
-  for (int r = 0; r < x.rows(); ++r) {
-    add_product_row(here.step.row(r), t.row(r), x.row(r), x.columns());
-    x.reflect_columns(r);
-  }
-}
-
-void VCycle::solve_coarsest(const BlendOperator& matrix, const PaddedField& b, PaddedField& x) {
-  direct_.clear();
-  for (int r = 0; r < b.rows(); ++r) direct_.insert(direct_.end(), b.row(r), b.row(r) + b.columns());
-  matrix.coarsest().solve(direct_, direct_work_);
-  auto from = direct_.cbegin();
-  for (int r = 0; r < x.rows(); ++r) {
-    for (int c = 0; c < x.columns(); ++c) x.row(r)[c] = static_cast<float>(*from++);
-    x.reflect_columns(r);
-  }
+  coarsest_.factor(levels_.back().prior, levels_.back().diagonal);
+  if (levels_.back().varies()) varying_diagonal(levels_.back());
 }
 
 }  // namespace scree::fractal

@@ -16,6 +16,11 @@ class PaddedField {
     columns_ = columns;
     cells_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride()), 0.0F);
   }
+  /// Cells keep what they hold when the shape is this one already.
+  void reshape(int rows, int columns) {
+    if (rows != rows_ || columns != columns_) resize(rows, columns);
+  }
+  bool empty() const { return rows_ == 0; }
   int rows() const { return rows_; }
   int columns() const { return columns_; }
 
