@@ -6,5 +6,7 @@
 namespace scree::bench {
 
 void conditional_section();
+void delaunay_section();
+void polyhedron_section();
 
 }  // namespace scree::bench
