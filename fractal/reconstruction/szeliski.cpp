@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "fractal/reconstruction/draw_spread.hpp"
+#include "fractal/reconstruction/gibbs_rows.hpp"
 #include "fractal/reconstruction/relative_pyramid.hpp"
 #include "fractal/reconstruction/surface_checks.hpp"
 
@@ -14,8 +15,40 @@ namespace {
 
 constexpr std::uint64_t kGibbsSeed = 0x737a656c69736b69;  // "szeliski"
 
-/// One surface from the coarsest level to the finest. `draw` < 0: relaxation without noise.
-Grid<float> run_levels(const RelativePyramid& pyramid, int sweeps, std::uint64_t seed, int draw) {
+struct Run {
+  SzeliskiOptions options;
+  std::uint64_t seed = 1;
+  int draw = -1;  ///< < 0: relaxation without noise
+
+  SweepNoise noise(std::size_t level, int sweep) const {
+    return {seed ^ kGibbsSeed, (static_cast<std::uint64_t>(draw) << 32) | (static_cast<std::uint64_t>(level) << 26) |
+                                   static_cast<std::uint64_t>(sweep)};
+  }
+};
+
+/// v of one level after all sweeps, from 0.
+Grid<float> run_level(const GibbsLevel& problem, const Run& run, std::size_t level) {
+  Grid<float> v(problem.rows(), problem.columns(), 0.0F);
+  const auto sweeps = [&](const auto& sweep_once) {
+    for (int sweep = 0; sweep < run.options.sweeps; ++sweep) {
+      const SweepNoise noise = run.noise(level, sweep);
+      sweep_once(run.draw < 0 ? nullptr : &noise);
+    }
+  };
+  if (!run.options.tuned) {
+    sweeps([&](const SweepNoise* noise) { gibbs_sweep(problem, noise, v); });
+    return v;
+  }
+  GibbsRows rows(problem);
+  PhaseField phases;
+  phases.load(v);
+  sweeps([&](const SweepNoise* noise) { rows.sweep(noise, phases); });
+  phases.store(v);
+  return v;
+}
+
+/// One surface from the coarsest level to the finest.
+Grid<float> run_levels(const RelativePyramid& pyramid, const Run& run) {
   Grid<float> above;
   for (std::size_t l = pyramid.levels.size(); l-- > 0;) {
     const RelativePyramid::Level& level = pyramid.levels[l];
@@ -24,13 +57,7 @@ Grid<float> run_levels(const RelativePyramid& pyramid, int sweeps, std::uint64_t
     GibbsLevel problem = level.gibbs;
     problem.right = base;
     for (std::size_t i = 0; i < base.size(); ++i) problem.right[i] = problem.precision[i] * (level.datum[i] - base[i]);
-    Grid<float> v(base.rows(), base.columns(), 0.0F);
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-      const SweepNoise noise{seed ^ kGibbsSeed, (static_cast<std::uint64_t>(draw) << 32) |
-                                                    (static_cast<std::uint64_t>(l) << 26) |
-                                                    static_cast<std::uint64_t>(sweep)};
-      gibbs_sweep(problem, draw < 0 ? nullptr : &noise, v);
-    }
+    const Grid<float> v = run_level(problem, run, l);
     for (std::size_t i = 0; i < base.size(); ++i) base[i] += v[i];
     above = std::move(base);
   }
@@ -60,7 +87,7 @@ Result<SurfaceEstimate> reconstruct_szeliski(const CellSamples& samples, const S
                                                cold ? relative_temperature({}, law, request.grid.cell_m) : temperature);
   SurfaceEstimate estimate;
   estimate.mean_m.assign(request.grid.rows, request.grid.columns, 0.0F);
-  to_metres(pyramid, run_levels(pyramid, options.sweeps, request.seed, -1), estimate.mean_m);
+  to_metres(pyramid, run_levels(pyramid, {options, request.seed, -1}), estimate.mean_m);
   estimate.iterations = options.sweeps * static_cast<int>(pyramid.levels.size());
   if (cold) {
     estimate.sd_m.assign(request.grid.rows, request.grid.columns, std::numeric_limits<float>::quiet_NaN());
@@ -71,7 +98,7 @@ Result<SurfaceEstimate> reconstruct_szeliski(const CellSamples& samples, const S
   estimate.sd_m = spread_of_draws(
       request, estimate.mean_m,
       [&](int k, Grid<float>& draw_m) {
-        to_metres(pyramid, run_levels(pyramid, options.sweeps, request.seed, k), draw_m);
+        to_metres(pyramid, run_levels(pyramid, {options, request.seed, k}), draw_m);
       },
       executor);
   return estimate;

@@ -10,7 +10,8 @@ namespace scree::fractal {
 
 struct SzeliskiOptions {
   Temperature temperature = {};
-  int sweeps = 50;  ///< of every level
+  int sweeps = 50;     ///< of every level
+  bool tuned = false;  ///< rows as vectors (gibbs_rows.hpp): the same law in another order, with other random numbers
 };
 
 /// Levels of halved resolution, u_l = I·u_(l+1) + v_l with I bilinear, coarsest at most 2 × 2 cells. Level by level

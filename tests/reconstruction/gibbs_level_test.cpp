@@ -2,8 +2,11 @@
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include "core/random.hpp"
+#include "fractal/reconstruction/gibbs_rows.hpp"
+#include "fractal/reconstruction/normal_rows.hpp"
 #include "fractal/reconstruction/relative_pyramid.hpp"
 #include "tests/reconstruction/dense_blend.hpp"
 
@@ -86,6 +89,61 @@ TEST(GibbsLevel, NormalsAreStandardAndIndependent) {
   EXPECT_NEAR(mean / count, 0.0, 5.0 / std::sqrt(count));
   EXPECT_NEAR(square / count, 1.0, 5.0 * std::sqrt(2.0 / count));
   EXPECT_NEAR(neighbours / count, 0.0, 5.0 / std::sqrt(count));
+}
+
+TEST(GibbsRows, SweepsWithoutNoiseEndAtTheDenseSolution) {
+  for (const auto& [rows, columns] : {std::pair{1, 1}, {1, 2}, {1, 6}, {2, 2}, {3, 1}, {5, 4}, {7, 9}, {4, 23}}) {
+    const SmallLevel small(rows, columns, {0.7F, 0.3F}, 2.0);
+    GibbsRows sampler(small.level);
+    PhaseField phases;
+    phases.load(Grid<float>(rows, columns, 0.0F));
+    for (int sweep = 0; sweep < 200; ++sweep) sampler.sweep(nullptr, phases);
+    Grid<float> x;
+    phases.store(x);
+    for (int i = 0; i < rows * columns; ++i)
+      EXPECT_NEAR(x[static_cast<std::size_t>(i)], small.solution(i), 1e-5) << rows << " x " << columns;
+  }
+}
+
+// Tolerance as of the scalar sampler.
+TEST(GibbsRows, SamplesHaveTheInverseMatrixAsCovariance) {
+  constexpr int kRows = 4, kColumns = 5, kCells = kRows * kColumns, kSweeps = 20000;
+  const SmallLevel small(kRows, kColumns, {0.5F, 0.1F}, 4.0);
+  const Eigen::MatrixXd covariance = small.matrix.inverse();
+  GibbsRows sampler(small.level);
+  PhaseField phases;
+  phases.load(Grid<float>(kRows, kColumns, 0.0F));
+  Grid<float> x;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kCells, kCells);
+  for (int sweep = 0; sweep < kSweeps + 50; ++sweep) {
+    const SweepNoise noise{9, static_cast<std::uint64_t>(sweep)};
+    sampler.sweep(&noise, phases);
+    if (sweep < 50) continue;
+    phases.store(x);
+    const Eigen::VectorXd error = Eigen::Map<const Eigen::VectorXf>(x.data(), kCells).cast<double>() - small.solution;
+    sum += error * error.transpose();
+  }
+  const double tolerance = 5.0 * std::sqrt(2.0 / 6600.0) * covariance.diagonal().maxCoeff();
+  EXPECT_LT((sum / kSweeps - covariance).cwiseAbs().maxCoeff(), tolerance);
+}
+
+TEST(NormalBlock, IsBoxMullerOfTheCountersWords) {
+  constexpr int kLanes = 37;
+  std::vector<float> block(4 * kLanes);
+  for (int row = 0; row < 500; ++row) {
+    normal_block(5, 9, row, kLanes, block.data());
+    for (int i = 0; i < kLanes; ++i) {
+      const auto words = random_words(5, 9, i, row);
+      for (std::size_t p = 0; p < 2; ++p) {
+        const double u = (static_cast<double>(words[2 * p] >> 9) + 0.5) * 0x1p-23;
+        const double angle = 2.0 * std::numbers::pi * static_cast<std::int32_t>(words[2 * p + 1]) * 0x1p-32;
+        const double radius = std::sqrt(-2.0 * std::log(u));
+        const std::size_t at = 2 * p * kLanes + static_cast<std::size_t>(i);
+        EXPECT_NEAR(block[at], radius * std::cos(angle), 1e-6 * (radius + 1e-2));
+        EXPECT_NEAR(block[at + kLanes], radius * std::sin(angle), 1e-6 * (radius + 1e-2));
+      }
+    }
+  }
 }
 
 TEST(RelativePyramid, InterpolationKeepsConstantsAndPlanes) {
