@@ -31,9 +31,18 @@ struct Anisotropy {
   std::array<double, kAzimuthCount> hurst{};  ///< H along 0°, 15°, … 165°
   double azimuth_lag_m = 0.0;                 ///< the longest lag of `hurst`
   double isotropic_hurst = 0.5;               ///< the fit that T takes its covariance from
+
+  /// Significant, and stretched by kLeastStrength at least.
+  bool matters() const;
 };
 
 inline constexpr double kMaxStrength = 100.0;
+/// Thousands of cells make a stretch of a few percent significant; from here on it matters.
+inline constexpr double kLeastStrength = 1.1;
+inline bool Anisotropy::matters() const {
+  return significant && strength >= kLeastStrength;
+}
+
 /// Complete second differences needed in each of the eight directed classes.
 inline constexpr double kMinDirectedCount = 20.0;
 

@@ -58,6 +58,9 @@ struct DimensionEstimate {
   bool noise_estimated = false;  ///< then noise_sigma_m is an estimate and the interval of D allows for its error
   double coarse_dimension = std::numeric_limits<double>::quiet_NaN();  ///< of a random part; NaN for few points
   double coarse_spacing_m = 0.0;                                       ///< its mean spacing
+  /// −2 log of the restricted likelihood at its best, up to a constant of the points alone: comparable between noises.
+  /// NaN for methods without one.
+  double minus_two_log = std::numeric_limits<double>::quiet_NaN();
   double relative_noise = 0.0;  ///< τ: noise variance over the squared height change at the mean spacing
   /// The range of scales the estimate rests on: distances between points. NaN where the method does not say.
   double lag_min_m = std::numeric_limits<double>::quiet_NaN();

@@ -31,16 +31,16 @@ void set_flat(std::size_t cell, DimensionMap& out) {
   out.dimension[cell] = static_cast<float>(3.0 - kMaxHurst);
   out.dimension_sigma[cell] = kNaN;
   out.amplitude_m[cell] = 0.0F;
-  out.flags[cell] = kNoiseLimited;
+  out.flags[cell] = kAtBound;
 }
 
 std::uint8_t flags_of(const EnergyFit& fit, std::uint8_t missing) {
   const int degrees = kClassCount - std::popcount(missing) - 2;
-  const bool noise_limited = fit.tau > kNoiseLimitTau || fit.at_bound;
+  const bool noise_limited = fit.tau > kNoiseLimitTau;
   const bool not_fractal = fit.chi_square > chi_square_limit(degrees);
   const bool anisotropic = fit.contrast_chi_square > chi_square_limit(kContrastClassCount);
   return static_cast<std::uint8_t>((noise_limited ? kNoiseLimited : 0) | (not_fractal ? kNotFractal : 0) |
-                                   (anisotropic ? kAnisotropic : 0));
+                                   (anisotropic ? kAnisotropic : 0) | (fit.at_bound ? kAtBound : 0));
 }
 
 /// Windows of one row on their way to the fit.

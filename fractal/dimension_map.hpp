@@ -13,10 +13,7 @@ enum DimensionFlag : std::uint8_t {
   /// Fewer complete axis increments than min_effective_cells, or increments of fewer than four of the eight classes, or
   /// of none over more than a cell: D is NaN.
   kTooLittleData = 1,
-  /// The known noise variance exceeds the squared height change over one cell (τ > 1), or D stands at the smallest
-  /// value that the data can tell (2.02; 2.21 for cells of one return, whose random places look like noise): D is an
-  /// upper bound at best. The bit does not tell the two apart: ground smoother than the bound has it without any noise.
-  /// An exact plane has D = 2.02, amplitude 0, sigma NaN.
+  /// The known noise variance exceeds the squared height change over one cell (τ > 1): D is an upper bound at best.
   kNoiseLimited = 2,
   /// The energies contradict every single power law: residual chi-square above its 99.9 % point (6 degrees of freedom;
   /// fewer where classes are missing).
@@ -25,6 +22,12 @@ enum DimensionFlag : std::uint8_t {
   /// diagonals at steps of 1 and 2 cells) is above its 99.9 % point. D is then a mean over directions, and the
   /// amplitude too. Not judged where classes are missing.
   kAnisotropic = 8,
+  /// D stands at the smallest value that the data can tell (2.02; 2.21 for cells of one return, whose random places
+  /// look
+  /// like noise): the ground is that smooth or smoother, and dimension_sigma does not bound D from below. An exact
+  /// plane
+  /// has D = 2.02, amplitude 0, sigma NaN.
+  kAtBound = 16,
 };
 
 struct DimensionMapConfig {

@@ -16,6 +16,7 @@ DimensionEstimate describe(const VecchiaOutcome& outcome, const VecchiaPoints& s
   DimensionEstimate out;
   out.dimension = 3.0 - fit.hurst;
   out.sigma = fit.sigma;
+  out.minus_two_log = outcome.minus_two_log;
   out.interval95 = {fit.high_open ? 2.0 : 3.0 - fit.high, fit.low_open ? 3.0 : 3.0 - fit.low};
   if (fit.high_open) out.flags |= kOpenBelow;
   if (fit.low_open) out.flags |= kOpenAbove;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/random.hpp"
+#include "fractal/plane_fit.hpp"
 
 namespace scree::fractal {
 namespace {
@@ -61,34 +62,6 @@ std::vector<VecchiaPoint> merged(const SurveyPoints& survey) {
   return points;
 }
 
-struct Plane {
-  double slope_x = 0.0, slope_y = 0.0;
-};
-
-struct Moments {
-  double x = 0.0, y = 0.0, z = 0.0;                                   // means
-  double xx = 0.0, xy = 0.0, yy = 0.0, zx = 0.0, zy = 0.0, zz = 0.0;  // central, summed
-
-  explicit Moments(const std::vector<VecchiaPoint>& points) {
-    for (const auto& p : points) x += p.x, y += p.y, z += p.z;
-    const double n = static_cast<double>(points.size());
-    x /= n, y /= n, z /= n;
-    for (const auto& p : points) {
-      const double dx = p.x - x, dy = p.y - y, dz = p.z - z;
-      xx += dx * dx, xy += dx * dy, yy += dy * dy, zx += dz * dx, zy += dz * dy, zz += dz * dz;
-    }
-  }
-  /// Squared ratio of the narrowest to the widest extent.
-  double flatness() const {
-    const double half = 0.5 * (xx + yy), spread = std::hypot(0.5 * (xx - yy), xy);
-    return (xx * yy - xy * xy) / ((half + spread) * (half + spread));
-  }
-  Plane plane() const {
-    const double det = xx * yy - xy * xy;
-    return {(zx * yy - zy * xy) / det, (zy * xx - zx * xy) / det};
-  }
-};
-
 void shuffle(std::vector<VecchiaPoint>& points) {
   for (std::size_t i = points.size() - 1; i > 0; --i) {
     const auto words = random_words(kOrderSeed, kOrderStream, static_cast<std::int32_t>(i), 0);
@@ -137,7 +110,7 @@ Result<VecchiaPoints> prepare_points(const SurveyPoints& survey) {
         fmt::format("expected points at {} places at least to estimate the noise from, found {}: give the noise "
                     "of the sensor instead",
                     kMinNoisePoints, points.size()));
-  const Moments moments(points);
+  const PlaneMoments moments(points.size(), [&points](std::size_t i) { return points[i]; });
   constexpr double kLine = 1e-12;  // a millionth as wide as long: float32 coordinates of a line reach 1e-7
   if (!(moments.flatness() > kLine)) return bad("expected points spread over an area, found them all on one line");
   const auto [lowest, highest] =

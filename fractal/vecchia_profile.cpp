@@ -23,11 +23,6 @@ Levelled levelled(const ErrorSums& sums, std::size_t k) {
   return {std::log(std::max(s, std::numeric_limits<double>::min())), sums.log_v[k] + std::log(det)};
 }
 
-/// One point gives the level, two the plane.
-double contrasts(std::size_t count) {
-  return static_cast<double>(count) - 3.0;
-}
-
 /// Polynomial through the nodes (Neville).
 template <class Value>
 double interpolate(std::span<const double> nodes, Value value, double at) {
@@ -108,9 +103,13 @@ void search_tau(const TauSearch& search, bool close, std::size_t k, LaneProfile&
 
 }  // namespace
 
+double contrast_count(std::size_t count) {
+  return static_cast<double>(count) - 3.0;
+}
+
 LaneProfile clean_profile(const HurstLanes& lanes, const ErrorSums& sums, std::size_t count) {
   LaneProfile out{.lanes = lanes};
-  const double n = contrasts(count);
+  const double n = contrast_count(count);
   for (std::size_t k = 0; k < kHurstLanes; ++k) {
     const Levelled l = levelled(sums, k);
     out.log_c[k] = l.log_s - std::log(n);
@@ -122,7 +121,7 @@ LaneProfile clean_profile(const HurstLanes& lanes, const ErrorSums& sums, std::s
 LaneProfile noisy_profile(const HurstLanes& lanes, std::span<const PerLane> taus, std::span<const ErrorSums> sums,
                           std::size_t count, double noise_variance, bool close) {
   LaneProfile out{.lanes = lanes};
-  TauSearch search{.count = taus.size(), .n = contrasts(count), .log_noise = std::log(noise_variance)};
+  TauSearch search{.count = taus.size(), .n = contrast_count(count), .log_noise = std::log(noise_variance)};
   for (std::size_t k = 0; k < kHurstLanes; ++k) {
     for (std::size_t j = 0; j < taus.size(); ++j) {
       search.node[j] = std::log(taus[j][k]);
@@ -137,7 +136,7 @@ LaneProfile noisy_profile(const HurstLanes& lanes, std::span<const PerLane> taus
 LaneProfile free_noise_profile(const HurstLanes& lanes, std::span<const PerLane> nodes, std::span<const ErrorSums> sums,
                                std::size_t count, bool close) {
   LaneProfile out{.lanes = lanes};
-  TauSearch search{.count = nodes.size(), .n = contrasts(count), .unknown = true};
+  TauSearch search{.count = nodes.size(), .n = contrast_count(count), .unknown = true};
   for (std::size_t k = 0; k < kHurstLanes; ++k) {
     for (std::size_t j = 0; j < nodes.size(); ++j) {
       search.node[j] = nodes[j][k];

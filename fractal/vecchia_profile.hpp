@@ -27,6 +27,9 @@ struct FreeTau {
   double coordinate(double tau) const { return std::log1p(tau / scale); }
 };
 
+/// Of `count` points: one gives the level, two the plane.
+double contrast_count(std::size_t count);
+
 /// Without noise. `count` is the number of points behind the sums.
 LaneProfile clean_profile(const HurstLanes& lanes, const ErrorSums& sums, std::size_t count);
 

@@ -85,6 +85,9 @@ VecchiaOutcome search_likelihood(const VecchiaPoints& survey) {
   const bool dense = now.fit.sigma > 0.5 * now.profile.lanes.step;
   if (count < points || !dense || noise != VecchiaNoise::none) refine(likelihood, now);
   now.tau = tau_of(now.profile, noise, now.fit.lane);
+  now.minus_two_log = between_lanes(now.profile.minus_two_log, now.fit.lane);
+  // With a known noise the quadratic form over C is part of the value; without, it is the number of contrasts.
+  if (noise == VecchiaNoise::known) now.minus_two_log -= contrast_count(points);
   if (noise == VecchiaNoise::unknown && part < points) {  // with the noise that all points together say
     likelihood.set_noise(now.tau * std::exp(between_lanes(now.profile.log_c, now.fit.lane)));
     now.coarse = fit_hurst(look(likelihood, part));

@@ -13,6 +13,7 @@ struct VecchiaOutcome {
   LaneProfile profile;
   HurstFit fit;
   double tau = 0.0;               ///< s²/C at the best H
+  double minus_two_log = 0.0;     ///< there, on one scale whatever is known of the noise
   HurstFit coarse;                ///< of a random part
   std::size_t coarse_points = 0;  ///< behind it; all points where these are few
 };

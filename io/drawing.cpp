@@ -7,10 +7,9 @@
 #ifdef SCREE_WITH_PICTURES
 
 #include <cmath>
-#include <exception>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "io/opencv_file.hpp"
 #include "io/picture_layout.hpp"
 
 namespace scree::io {
@@ -92,17 +91,13 @@ struct Painter {
 }  // namespace
 
 Status write_drawing(const std::filesystem::path& file, const Drawing& drawing) {
-  try {
+  return write_painting(file, [&drawing] {
     cv::Mat canvas(drawing.height_px * kFine, drawing.width_px * kFine, CV_8UC3, kPaper);
     for (const Shape& shape : drawing.shapes) std::visit(Painter{canvas}, shape);
     cv::Mat picture;
     cv::resize(canvas, picture, {}, 1.0 / kFine, 1.0 / kFine, cv::INTER_AREA);
-    if (cv::imwrite(file.string(), picture)) return {};
-    return Error{ErrorKind::cannot_create, fmt::format("{}: the picture cannot be written", file.string())};
-  } catch (const std::exception& error) {
-    return Error{ErrorKind::cannot_create,
-                 fmt::format("{}: the picture cannot be written: {}", file.string(), error.what())};
-  }
+    return picture;
+  });
 }
 
 }  // namespace scree::io

@@ -10,11 +10,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "io/drawing.hpp"
+#include "io/opencv_file.hpp"
 #include "io/picture_layout.hpp"
 
 namespace scree::io {
@@ -228,13 +227,7 @@ Status write_map_picture(const std::filesystem::path& file, const std::vector<Pi
                                                  panels[0].values.rows(), panels[0].values.columns())};
   }
   if (panels.empty()) return Error{ErrorKind::usage, fmt::format("{}: expected a panel, found none", file.string())};
-  try {
-    if (cv::imwrite(file.string(), draw(panels, frame, robot, caption))) return {};
-    return Error{ErrorKind::cannot_create, fmt::format("{}: the picture cannot be written", file.string())};
-  } catch (const std::exception& error) {
-    return Error{ErrorKind::cannot_create,
-                 fmt::format("{}: the picture cannot be written: {}", file.string(), error.what())};
-  }
+  return write_painting(file, [&] { return draw(panels, frame, robot, caption); });
 }
 
 }  // namespace scree::io

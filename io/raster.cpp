@@ -54,10 +54,15 @@ Status check_units(const std::filesystem::path& file, GDALDataset& dataset, GDAL
 
 using GeoTransform = std::array<double, 6>;  // x = [0] + column·[1] + row·[2], y = [3] + column·[4] + row·[5]
 
-GeoTransform geo_transform(GDALDataset& dataset) {
+/// Nothing for plain pictures.
+std::optional<GeoTransform> file_transform(GDALDataset& dataset) {
   GeoTransform transform{};
-  if (dataset.GetGeoTransform(transform.data()) == CE_None) return transform;
-  return {0, 1, 0, static_cast<double>(dataset.GetRasterYSize()), 0, -1};  // plain pictures: one metre a cell
+  return dataset.GetGeoTransform(transform.data()) == CE_None ? std::optional(transform) : std::nullopt;
+}
+
+GeoTransform geo_transform(GDALDataset& dataset) {
+  return file_transform(dataset).value_or(
+      GeoTransform{0, 1, 0, static_cast<double>(dataset.GetRasterYSize()), 0, -1});  // one metre a cell
 }
 
 Result<Raster> read_geometry(const std::filesystem::path& file, GDALDataset& dataset) {
@@ -68,6 +73,7 @@ Result<Raster> read_geometry(const std::filesystem::path& file, GDALDataset& dat
   if (!(transform[1] > 0.0) || transform[5] == 0.0 || !std::isfinite(transform[1]) || !std::isfinite(transform[5]))
     return bad(file, "cells of positive size", fmt::format("{} × {}", transform[1], transform[5]));
   Raster raster;
+  raster.placed = file_transform(dataset).has_value();
   raster.cell_m = transform[1];
   raster.cell_y_m = std::abs(transform[5]);
   raster.x_min_m = transform[0];
@@ -143,7 +149,7 @@ Result<Raster> read_raster(const std::filesystem::path& file) {
   if (!raster) return raster.error();
   if (auto status = check_units(file, *dataset, band, raster->geographic); !status) return status.error();
   if (auto status = read_heights(file, *dataset, band, *raster); !status) return status.error();
-  if (dataset->GetSpatialRef() == nullptr) raster->geographic = looks_geographic(*raster);
+  if (dataset->GetSpatialRef() == nullptr && raster->placed) raster->geographic = looks_geographic(*raster);
   if (const char* crs = dataset->GetProjectionRef(); crs != nullptr) raster->crs_wkt = crs;
   return raster;
 }

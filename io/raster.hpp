@@ -19,6 +19,7 @@ struct Raster {
   double cell_y_m = 1.0;     ///< of y; equal to cell_m but for rasters with oblong cells
   bool geographic = false;   ///< cells are degrees, by the CRS or by plausibility (see message of the caller)
   std::string crs_wkt = {};  ///< as the file has it; empty = none
+  bool placed = true;        ///< the file says how large its cells are; otherwise (a plain picture) they count as 1 m
 };
 
 /// Any format GDAL reads. A raster without a CRS counts as geographic when it lies within ±360 × ±90 and its heights,

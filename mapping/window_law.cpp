@@ -65,7 +65,8 @@ std::optional<fractal::FractalLaw> WindowLaw::from(const fractal::DimensionMap& 
 
 std::optional<fractal::FractalLaw> WindowLaw::estimate(const fractal::DimensionMap& map,
                                                        const Grid<std::uint8_t>& measured) {
-  const auto clean = from(map, measured, fractal::kTooLittleData | fractal::kNoiseLimited | fractal::kNotFractal);
+  const auto clean =
+      from(map, measured, fractal::kTooLittleData | fractal::kNoiseLimited | fractal::kNotFractal | fractal::kAtBound);
   return clean ? clean : from(map, measured, fractal::kTooLittleData);
 }
 

@@ -56,6 +56,7 @@ Json anisotropy_json(const fractal::Anisotropy& found) {
   Json json{{"chi_square", number(found.chi_square)},
             {"p_value", number(found.p_value)},
             {"significant", found.significant},
+            {"anisotropic", found.matters()},
             {"direction_rad", number(found.direction_rad)},
             {"strength", number(found.strength)},
             {"index_v", number(found.index_v)},
@@ -63,6 +64,13 @@ Json anisotropy_json(const fractal::Anisotropy& found) {
             {"index_v_significant", found.v_significant}};
   for (const double hurst : found.hurst) json["directional_dimension"].push_back(number(3.0 - hurst));
   return json;
+}
+
+Json noise_check_json(const fractal::NoiseCheck& check) {
+  return {{"chi_square", number(check.chi_square)},
+          {"noise_sigma_m", number(check.free.noise_sigma_m)},
+          {"dimension", number(check.free.dimension)},
+          {"interval95", pair(check.free.interval95)}};
 }
 
 Json maps_json(const MapsSummary& summary) {
@@ -75,6 +83,7 @@ Json maps_json(const MapsSummary& summary) {
           {"median_dimension", number(summary.median_dimension)},
           {"too_little_data", summary.too_little_data},
           {"noise_limited", summary.noise_limited},
+          {"at_bound", summary.at_bound},
           {"not_fractal", summary.not_fractal},
           {"anisotropic", summary.anisotropic}};
 }
@@ -122,6 +131,7 @@ std::string dimension_json(const DimensionReport& report) {
       {"relative_noise", number(estimate.relative_noise)},
   };
   if (answer.check) json["check"] = check_json(answer);
+  if (answer.noise_check) json["noise_check"] = noise_check_json(*answer.noise_check);
   if (answer.scales) json["scales"] = scales_json(*answer.scales);
   if (report.anisotropy) json["anisotropy"] = anisotropy_json(*report.anisotropy);
   if (report.input.frames) json["recording"] = recording_json(*report.input.frames);

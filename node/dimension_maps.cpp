@@ -43,6 +43,7 @@ MapsSummary summarise(const SurveyGrid& grid, const fractal::DimensionMap& map, 
     summary.noise_limited += (map.flags[i] & fractal::kNoiseLimited) != 0;
     summary.not_fractal += (map.flags[i] & fractal::kNotFractal) != 0;
     summary.anisotropic += (map.flags[i] & fractal::kAnisotropic) != 0;
+    summary.at_bound += (map.flags[i] & fractal::kAtBound) != 0;
     if (std::isfinite(map.dimension[i])) known.push_back(map.dimension[i]);
   }
   summary.dimension_cells = known.size();
@@ -104,7 +105,7 @@ Result<MapsSummary> write_dimension_maps(const SurveyGrid& grid, double window_m
        {"dimension_sigma",
         {"standard deviation of D" + window, map.dimension_sigma, {ColourMap::viridis, 0.0, {}, false}}},
        {"amplitude", {"rms height change at 1 m / m" + window, map.amplitude_m, {ColourMap::viridis, 0.0, {}, false}}},
-       {"dimension_flags", {"flags of D (bits)", as_layer(map), {ColourMap::viridis, 0.0, 15.0, false}}}}};
+       {"dimension_flags", {"flags of D (bits)", as_layer(map), {ColourMap::viridis, 0.0, 31.0, false}}}}};
   for (const auto& [name, panel] : layers)
     if (Status status = files.write(name, panel, grid.place.raster, grid.place.picture); !status) return status.error();
   return summarise(grid, map, *radius);
@@ -120,11 +121,10 @@ std::string maps_line(const MapsSummary& summary, const LayerFiles& files) {
                        summary.window_cells, summary.window_cells);
   return fmt::format(
       "{}: {} x {} cells of {:.4g} m, windows of {} x {}; D in {} cells, median {:.3f}; {:.1f} % of them "
-      "noise_limited, "
-      "{:.1f} % not_fractal, {:.1f} % anisotropic",
+      "noise_limited, {:.1f} % at_bound, {:.1f} % not_fractal, {:.1f} % anisotropic",
       files.file("dimension").string(), summary.columns, summary.rows, summary.cell_m, summary.window_cells,
       summary.window_cells, summary.dimension_cells, summary.median_dimension, share(summary.noise_limited),
-      share(summary.not_fractal), share(summary.anisotropic));
+      share(summary.at_bound), share(summary.not_fractal), share(summary.anisotropic));
 }
 
 }  // namespace scree::node

@@ -18,10 +18,11 @@ struct MapsSummary {
   double cell_m = 0.0;
   int window_cells = 0;  ///< side of the square window
   int rows = 0, columns = 0;
-  std::size_t known_cells = 0;                                                           ///< with a height
-  std::size_t dimension_cells = 0;                                                       ///< with a D
-  double median_dimension = 0.0;                                                         ///< NaN without any
-  std::size_t too_little_data = 0, noise_limited = 0, not_fractal = 0, anisotropic = 0;  ///< cells flagged so
+  std::size_t known_cells = 0;      ///< with a height
+  std::size_t dimension_cells = 0;  ///< with a D
+  double median_dimension = 0.0;    ///< NaN without any
+  std::size_t too_little_data = 0, noise_limited = 0, not_fractal = 0, anisotropic = 0,
+              at_bound = 0;  ///< cells flagged so
 };
 
 /// The radius of the smallest window of whole cells, odd in number, that is not narrower than `window_m`, at most the

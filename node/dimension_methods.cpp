@@ -57,11 +57,21 @@ Result<DimensionAnswer> by_structure(const SurveyPoints& survey, const Dimension
   return answer;
 }
 
+/// Says nothing where the points are too few to tell a noise from.
+void look_at_noise(const SurveyPoints& survey, DimensionAnswer& answer) {
+  auto check = fractal::check_noise(survey, answer.estimate);
+  if (!check) return;
+  if (check->too_large) answer.flags.emplace_back("noise_too_large");
+  if (check->too_small) answer.flags.emplace_back("noise_too_small");
+  answer.noise_check = *std::move(check);
+}
+
 Result<DimensionAnswer> by_vecchia(const SurveyPoints& survey) {
   auto estimate = fractal::estimate_dimension_vecchia(survey);
   if (!estimate) return estimate.error();
   DimensionAnswer answer;
   answer.estimate = *std::move(estimate);
+  if (survey.noise_sigma_m > 0.0) look_at_noise(survey, answer);
   return answer;
 }
 
@@ -141,6 +151,7 @@ void add_flags(const SurveyInput& input, DimensionAnswer& answer) {
     if (answer.has_interval || !name.starts_with("open_")) flags.emplace_back(name);
   constexpr double kRounding = 0.28;
   if (input.whole_metres && answer.noise_sigma_m < kRounding) flags.emplace_back("whole_metre_heights");
+  if (input.raster && !input.raster->raster.placed) flags.emplace_back("cell_size_unknown");
   if (sampled(input, answer)) flags.emplace_back("sampled");
   flags.insert(flags.end(), answer.flags.begin(), answer.flags.end());
   answer.flags = std::move(flags);

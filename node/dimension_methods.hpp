@@ -9,6 +9,7 @@
 #include "core/executor.hpp"
 #include "core/result.hpp"
 #include "fractal/moment_dimension.hpp"
+#include "fractal/noise_check.hpp"
 #include "fractal/scale_laws.hpp"
 #include "fractal/structure_dimension.hpp"
 #include "node/survey_input.hpp"
@@ -35,6 +36,7 @@ struct DimensionAnswer {
   std::optional<fractal::ScaleAnalysis> scales;     ///< where the points are enough for it
   std::optional<fractal::DimensionEstimate> check;  ///< auto: by the other method, where both apply
   fractal::Agreement agreement;                     ///< with it
+  std::optional<fractal::NoiseCheck> noise_check;   ///< where a noise was told and the points could contradict it
   /// What the line was fitted to, for the methods that draw one.
   std::vector<fractal::LogLogPoint> plot_points;
   fractal::Moment plot_moment = fractal::Moment::second;
@@ -50,11 +52,12 @@ bool sampled(const SurveyInput& input, const DimensionAnswer& answer);
 /// noise reaches .3 mean spacings, for which the likelihood has no model. Flags beside those of the estimators:
 ///   raw_heights, no_interval, out_of_range   of yokoya and pentland: noise and tilt are not taken off, too few points
 ///     for an interval; the line has D outside 2 ... 3, and D is unknown (NaN)
+///   noise_too_large, noise_too_small   the heights contradict the noise that was told
 ///   methods_disagree   the two methods' intervals do not allow for the difference
 ///   crossover, plateau, excess_noise, no_law_fits, scale_range_short, smooth_short_lags, rough_short_lags   see
 ///     dimension_scales.hpp
 ///   scales_unknown   too few distances for that question
-///   whole_metre_heights, sampled   of the input
+///   whole_metre_heights, cell_size_unknown, sampled   of the input
 /// Errors: those of the estimators; usage where the noise is to be estimated by a method that cannot, or max_lag_m is
 /// below the mean spacing.
 Result<DimensionAnswer> find_dimension(const SurveyInput& input, const DimensionRequest& request, Executor& executor);

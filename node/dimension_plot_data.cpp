@@ -5,6 +5,7 @@
 
 #include "fractal/law_picture.hpp"
 #include "fractal/moment_dimension.hpp"
+#include "fractal/plane_fit.hpp"
 
 namespace scree::node {
 namespace {
@@ -13,19 +14,17 @@ using fractal::LogLogPoint;
 
 /// Heights above the survey's least-squares plane.
 std::vector<double> above_plane(const SurveyInput& input) {
-  double n = 0, x = 0, y = 0, z = 0;
-  for (std::size_t i = 0; i < input.z_m.size(); ++i) ++n, x += input.x_m[i], y += input.y_m[i], z += input.z_m[i];
-  x /= n, y /= n, z /= n;
-  double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
-  for (std::size_t i = 0; i < input.z_m.size(); ++i) {
-    const double dx = input.x_m[i] - x, dy = input.y_m[i] - y, dz = input.z_m[i] - z;
-    xx += dx * dx, xy += dx * dy, yy += dy * dy, xz += dx * dz, yz += dy * dz;
-  }
-  const double determinant = xx * yy - xy * xy;
-  const double slope_x = (xz * yy - yz * xy) / determinant, slope_y = (yz * xx - xz * xy) / determinant;
+  struct Point {
+    double x, y, z;
+  };
+  const fractal::PlaneMoments moments(input.z_m.size(), [&input](std::size_t i) {
+    return Point{input.x_m[i], input.y_m[i], input.z_m[i]};
+  });
+  const fractal::Plane plane = moments.plane();
   std::vector<double> heights(input.z_m.size());
   for (std::size_t i = 0; i < heights.size(); ++i)
-    heights[i] = input.z_m[i] - z - slope_x * (input.x_m[i] - x) - slope_y * (input.y_m[i] - y);
+    heights[i] = input.z_m[i] - moments.z - plane.slope_x * (input.x_m[i] - moments.x) -
+                 plane.slope_y * (input.y_m[i] - moments.y);
   return heights;
 }
 

@@ -68,18 +68,12 @@ void add_scales(const DimensionAnswer& answer, std::vector<std::string>& remarks
   if (best.law != ScaleLaw::power && !says_nothing(best)) remarks.push_back(scales_remark(*answer.scales));
 }
 
-/// Significant, and so much that it matters: thousands of cells make a few percent significant.
-bool anisotropic(const fractal::Anisotropy& found) {
-  constexpr double kLeastStrength = 1.1;
-  return found.significant && found.strength >= kLeastStrength;
-}
-
 /// The probability is that of one power law, which the ground may not have.
 std::string anisotropy_text(const fractal::Anisotropy& found, const DimensionAnswer& answer) {
   const bool other = has_flag(answer, "scale_dependent") || has_flag(answer, "no_law_fits");
   const std::string chance = fmt::format("(p = {:.2g}{})", found.p_value, other ? " under one power law" : "");
   if (!found.significant) return "isotropic " + chance;
-  if (!anisotropic(found)) return fmt::format("nearly isotropic, stretched {:.2f} times {}", found.strength, chance);
+  if (!found.matters()) return fmt::format("nearly isotropic, stretched {:.2f} times {}", found.strength, chance);
   return fmt::format("roughest along {:.0f} deg from +x, stretched {:.2f} times across {}",
                      found.direction_rad * 180.0 / std::numbers::pi, found.strength, chance);
 }
@@ -88,7 +82,7 @@ std::string anisotropy_text(const fractal::Anisotropy& found, const DimensionAns
 
 std::vector<std::string> all_flags(const DimensionReport& report) {
   std::vector<std::string> flags = report.answer.flags;
-  if (report.anisotropy && anisotropic(*report.anisotropy)) flags.emplace_back("anisotropic");
+  if (report.anisotropy && report.anisotropy->matters()) flags.emplace_back("anisotropic");
   return flags;
 }
 
@@ -125,6 +119,13 @@ std::vector<std::string> dimension_remarks(const DimensionReport& report) {
     remarks.push_back(fmt::format("methods_disagree: the {} has D = {:.3f} ({:.3f} to {:.3f})", answer.check->method,
                                   answer.check->dimension, answer.check->interval95.low,
                                   answer.check->interval95.high));
+  if (answer.noise_check && (answer.noise_check->too_large || answer.noise_check->too_small)) {
+    const DimensionEstimate& free = answer.noise_check->free;
+    remarks.push_back(fmt::format("{}: the heights show {} m, and then D = {:.3f} ({:.3f} to {:.3f})",
+                                  answer.noise_check->too_large ? "noise_too_large" : "noise_too_small",
+                                  length_text(free.noise_sigma_m), free.dimension, free.interval95.low,
+                                  free.interval95.high));
+  }
   add_scales(answer, remarks);
   const auto flagged = [&](const char* flag) { return has_flag(answer, flag); };
   if (flagged("smooth_short_lags"))
@@ -132,6 +133,9 @@ std::vector<std::string> dimension_remarks(const DimensionReport& report) {
         "smooth_short_lags: interpolated, filtered or coarser than its points? Then D is not the ground's");
   if (flagged("rough_short_lags"))
     remarks.emplace_back("rough_short_lags: rounded, noisier than said, or not a surface (plants, walls)?");
+  if (flagged("cell_size_unknown"))
+    remarks.emplace_back(
+        "cell_size_unknown: the file does not say how large its cells are; amplitude and scales are for 1 m");
   if (flagged("whole_metre_heights"))
     remarks.emplace_back("whole_metre_heights: rounding is a noise of 0.29 m (--noise-sigma-m)");
   if (report.input.frames && report.request.noise_sigma_m == 0.0 && !report.request.noise_auto)

@@ -64,7 +64,7 @@ std::vector<MapLayer> map_layers(const mapping::MapSnapshot& map) {
   };
   if (!map.dimension_flags.empty())
     layers.push_back(
-        {"dimension_flags", "flags of D (bits)", known_flags(map), {ColourMap::viridis, 0.0, 15.0, false}});
+        {"dimension_flags", "flags of D (bits)", known_flags(map), {ColourMap::viridis, 0.0, 31.0, false}});
   return layers;
 }
 

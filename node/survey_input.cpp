@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 
 #include "io/point_cloud.hpp"
 #include "node/survey_readers.hpp"
@@ -34,6 +35,26 @@ Status check_options(const std::filesystem::path& file, Kind kind, const SurveyR
   return {};
 }
 
+/// Longitude and latitude give themselves away as a raster's do: heights of metres over ten-thousandths of a "metre".
+Status refuse_degrees(const SurveyInput& survey, const std::string& name) {
+  const auto& [x, y, z] = std::tie(survey.all.x_m, survey.all.y_m, survey.all.z_m);
+  if (x.empty()) return {};
+  const auto [west, east] = std::minmax_element(x.begin(), x.end());
+  const auto [south, north] = std::minmax_element(y.begin(), y.end());
+  const auto [low, high] = std::minmax_element(z.begin(), z.end());
+  const auto beyond = [](double origin, float a, float b, double most) {
+    return std::max(std::abs(origin + static_cast<double>(a)), std::abs(origin + static_cast<double>(b))) > most;
+  };
+  if (beyond(survey.origin_m.x(), *west, *east, 360.0) || beyond(survey.origin_m.y(), *south, *north, 90.0)) return {};
+  constexpr float kWall = 30.0F;
+  const float extent = std::max(*east - *west, *north - *south);
+  if (!(*high - *low > kWall * extent)) return {};
+  return Error{ErrorKind::bad_data,
+               fmt::format("{}: expected points in metres, found {:.3g} of height over an extent of {:.3g}: longitude "
+                           "and latitude? Reproject them first, for instance with gdaltransform or pdal",
+                           name, *high - *low, extent)};
+}
+
 Result<SurveyInput> read_points(const std::filesystem::path& file, const SurveyReading& reading) {
   const auto cloud = io::read_point_cloud(file);
   if (!cloud) return cloud.error();
@@ -42,6 +63,7 @@ Result<SurveyInput> read_points(const std::filesystem::path& file, const SurveyR
   survey.skipped = cloud->dropped_non_finite;
   survey.all.reserve(cloud->points.size());
   for (const auto& p : cloud->points) survey.all.push_back(p.x(), p.y(), p.z());
+  if (Status status = refuse_degrees(survey, file.string()); !status) return status.error();
   choose_points(survey, reading);
   return survey;
 }

@@ -45,18 +45,6 @@ TEST(Accuracy, ThreeThousandCleanPointsReachTheCramerRaoBound) {
   }
 }
 
-/// First absolute moment, lags 10 … 60 cells, one unweighted line: the estimator of Table 1 of [AK96].
-double papers_estimate(const Survey& survey) {
-  SerialExecutor serial;
-  Annuli annuli = uniform_annuli(1.0, 60.0);
-  annuli.first_m = 10.0;
-  annuli.count = 51;
-  const auto statistics = *structure_function(survey.columns(), annuli, {}, serial);
-  return log_log_dimension(log_log_points(statistics, Moment::first_absolute), Moment::first_absolute,
-                           Segmentation::least_squares, 1e3)
-      ->dimension;
-}
-
 // n = 48 surfaces of either kind at D = 2.1. In 100 of them the mean error in % of D was +7.8 (successive random
 // additions) and +1.2 (exact), standard deviations 3.6 and 4.1. Most of it is more than half: half the one mean less
 // the other is 2.7 ± .65, above 0 with 4.1 standard errors (false alarms 2e-5); the exact mean stays within 1.2 + 4 of

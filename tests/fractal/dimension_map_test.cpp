@@ -97,7 +97,7 @@ TEST(DimensionMap, ExactPlaneIsAsSmoothAsTheScaleGoesAndFlagged) {
     const DimensionMap map = map_of(Input(z));
     EXPECT_FLOAT_EQ(map.dimension(20, 20), 2.02F);
     EXPECT_EQ(map.amplitude_m(20, 20), 0.0F);
-    EXPECT_EQ(map.flags(20, 20), kNoiseLimited);
+    EXPECT_EQ(map.flags(20, 20), kAtBound);
   }
 }
 

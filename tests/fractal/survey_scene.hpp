@@ -9,6 +9,7 @@
 #include "core/grid.hpp"
 #include "core/random.hpp"
 #include "fractal/dimension_estimate.hpp"
+#include "fractal/loglog_fit.hpp"
 #include "fractal/structure_function.hpp"
 #include "fractal/surface.hpp"
 
@@ -77,6 +78,25 @@ inline Survey paper_survey(const Grid<float>& surface, std::uint64_t seed) {
   const double sigma_z = std::sqrt(sum2 / n - sum * sum / n / n), sigma_x = std::sqrt((side * side - 1.0) / 12.0);
   for (double& z : survey.z) z *= sigma_x / sigma_z;
   return survey;
+}
+
+/// First absolute moments in annuli and one unweighted line through all of them.
+inline double first_moment_dimension(const Survey& survey, const Annuli& annuli, const PairOptions& options = {}) {
+  SerialExecutor serial;
+  const auto statistics = *structure_function(survey.columns(), annuli, options, serial);
+  constexpr double kAnything = 1e3;  // bounds no line
+  return log_log_dimension(log_log_points(statistics, Moment::first_absolute), Moment::first_absolute,
+                           Segmentation::least_squares, kAnything)
+      ->dimension;
+}
+
+/// The paper's estimate from a survey in cells: first absolute moments of all pairs 10 … last_lag cells apart, in
+/// annuli a cell wide, and the iterative line.
+inline double papers_estimate(const Survey& survey, int last_lag = 60) {
+  Annuli annuli = uniform_annuli(1.0, last_lag);
+  annuli.first_m = 10.0;
+  annuli.count = last_lag - 9;
+  return first_moment_dimension(survey, annuli);
 }
 
 /// The standard deviation of noise that is `snr_db` below coordinates of a square of kPaperSide cells.

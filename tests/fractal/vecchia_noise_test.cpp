@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <string>
 
+#include "fractal/noise_check.hpp"
 #include "tests/fractal/vecchia_scene.hpp"
 
 namespace scree::fractal {
@@ -126,6 +127,49 @@ TEST(VecchiaNoise, UnknownItStillComparesScales) {
   EXPECT_FALSE(found.flags & kScaleDependent);
   EXPECT_TRUE(std::isfinite(found.coarse_dimension));
   EXPECT_GE(found.coarse_spacing_m, 1.9 * found.spacing_m);
+}
+
+/// check_noise of `surfaces` surfaces of 1000 points whose noise is `noise`, told `told`.
+std::vector<NoiseCheck> checks(double dimension, double noise, double told, int surfaces) {
+  Scattered survey = scattered_places(1000, 31);
+  const auto truth = *FbmPoints::make({dimension, 1.0}, survey.x, survey.y);
+  std::vector<NoiseCheck> out;
+  for (int seed = 0; seed < surfaces; ++seed) {
+    survey.z = truth.draw(static_cast<std::uint64_t>(seed));
+    add_noise_and_tilt(survey, noise, 0.5, static_cast<std::uint64_t>(seed));
+    const SurveyPoints points = survey.survey(told);
+    out.push_back(*check_noise(points, *estimate_dimension_vecchia(points)));
+  }
+  return out;
+}
+
+// Told right, the statistic is chi-square with 1 degree of freedom: mean 1, standard deviation √2. n = 40: its mean
+// lies within 4 · √(2/40) = .9 (6e-5), and more than 2 of 40 beyond a point with probability .001 are 1e-5.
+TEST(VecchiaNoise, ARightOneIsNotContradicted) {
+  double mean = 0.0;
+  int flagged = 0;
+  for (const NoiseCheck& check : checks(2.4, 0.3, 0.3, 40)) {
+    mean += check.chi_square / 40;
+    flagged += check.too_large || check.too_small;
+  }
+  EXPECT_NEAR(mean, 1.0, 0.9);
+  EXPECT_LE(flagged, 2);
+}
+
+// D = 2.3: mean statistic 130 for .3 told .6; all of 30 such surfaces, and all of 30 clean ones told .3, were noticed.
+TEST(VecchiaNoise, TooMuchOfItIsNoticed) {
+  for (const double noise : {0.0, 0.3})
+    for (const NoiseCheck& check : checks(2.3, noise, noise == 0.0 ? 0.3 : 0.6, 4)) {
+      EXPECT_TRUE(check.too_large) << noise << ": " << check.chi_square;
+      EXPECT_FALSE(check.too_small);
+    }
+}
+
+TEST(VecchiaNoise, TooLittleOfItIsNoticed) {
+  for (const NoiseCheck& check : checks(2.1, 0.3, 0.15, 4)) {  // mean statistic 57 of 30 surfaces
+    EXPECT_TRUE(check.too_small) << check.chi_square;
+    EXPECT_GT(check.free.noise_sigma_m, 0.2);
+  }
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ const std::map<std::string, Rule> kAdapters{
     {"io/point_cloud.cpp", {{}, {"pcl/"}}},
     {"io/picture.cpp", {{}, {"opencv2/"}}},
     {"io/drawing.cpp", {{}, {"opencv2/"}}},
+    {"io/opencv_file.hpp", {{}, {"opencv2/"}}},
     {"fractal/fourier.cpp", {{}, {"unsupported/Eigen/FFT"}}},
     {"drivers/terrain_load.cpp", {{"fractal"}, {}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},

@@ -1,6 +1,7 @@
 // scree dimension: what has no D, and what is asked wrongly: a message and an exit code, never a made-up D.
 
 #include <cmath>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <utility>
 
@@ -45,6 +46,32 @@ TEST(DimensionBadInput, WhatHasNoDimensionIs65WithAReason) {
     const auto yokoya = scree({"dimension", (folder / "bad.xyz").string(), "--method", "yokoya"});
     EXPECT_EQ(yokoya.exit_code, 65) << reason << yokoya.out;
   }
+}
+
+TEST(DimensionBadInput, PointsInDegreesAreRefusedAndThoseOfASmallTableAreNot) {
+  const TemporaryFolder folder;
+  std::string degrees, table;
+  for (int i = 0; i < 400; ++i) {
+    const double x = 0.001 * (i % 20), y = 0.001 * (i / 20);
+    degrees += fmt::format("{:.6f} {:.6f} {}\n", -105 + x, 40 + y, 1600 + i * i % 37);
+    table += fmt::format("{:.6f} {:.6f} {:.6f}\n", x, y, 1e-5 * (i * i % 37));
+  }
+  const auto refused = scree({"dimension", write(folder, "lonlat.xyz", degrees)});
+  EXPECT_EQ(refused.exit_code, 65);
+  EXPECT_THAT(refused.err, HasSubstr("expected points in metres, found 36 of height over an extent of 0.019"));
+  EXPECT_EQ(scree({"dimension", write(folder, "table.xyz", table)}).exit_code, 0);
+}
+
+TEST(DimensionBadInput, APictureHasNoSizeOfCellsAndThatIsSaid) {
+#ifndef SCREE_WITH_GDAL
+  GTEST_SKIP() << "this build reads no rasters";
+#endif
+  const TemporaryFolder folder;
+  std::string picture = "P5\n30 30\n255\n";
+  for (int i = 0; i < 900; ++i) picture += static_cast<char>(i * i % 101);
+  const auto finished = scree({"dimension", write(folder, "depth.pgm", picture)});
+  EXPECT_EQ(finished.exit_code, 0);
+  EXPECT_THAT(finished.out, HasSubstr("cell_size_unknown"));
 }
 
 TEST(DimensionBadInput, EmptyAndGeographicRastersAreRefused) {

@@ -91,7 +91,7 @@ TEST(Output, DimensionFlagsMarkTheClampedDimensionOfAPlane) {
     EXPECT_EQ(std::isnan((*flags)[i]), std::isnan((*dimension)[i])) << i;
     if (std::isnan((*flags)[i])) continue;
     ++known;
-    EXPECT_NE(static_cast<int>((*flags)[i]) & fractal::kNoiseLimited, 0) << "the ground is flat to the last bit";
+    EXPECT_NE(static_cast<int>((*flags)[i]) & fractal::kAtBound, 0) << "the ground is flat to the last bit";
   }
   EXPECT_GT(known, 100);
 }

@@ -68,7 +68,7 @@ TEST(WindowLaw, FlaggedCellsServeOnlyWhenCleanOnesAreMissing) {
 TEST(WindowLaw, ExactPlanesGiveTheSmoothestLaw) {
   Cells given = cells(10, 2.02F, 0.0F);
   given.map.dimension_sigma.assign(10, 10, std::nanf(""));
-  given.map.flags.assign(10, 10, fractal::kNoiseLimited);
+  given.map.flags.assign(10, 10, fractal::kAtBound);
   const auto law = WindowLaw().estimate(given.map, given.measured);
   ASSERT_TRUE(law);
   EXPECT_EQ(law->dimension, 2.05);

@@ -28,19 +28,6 @@ constexpr std::array<std::array<double, kColumns>, kCases> kPaper = {{
     {13.59, 9.02, 5.42, 2.75, 0.88, -0.38, -1.31, -2.17},
 }};
 
-/// First absolute moment, annuli of half a cell either side of 10 … last_lag cells, one unweighted line.
-double papers_estimate(const Survey& survey, int last_lag = 60) {
-  SerialExecutor serial;
-  Annuli annuli = uniform_annuli(1.0, last_lag);
-  annuli.first_m = 10.0;
-  annuli.count = last_lag - 9;
-  const auto statistics = *structure_function(survey.columns(), annuli, {}, serial);
-  constexpr double kAnything = 1e3;
-  return log_log_dimension(log_log_points(statistics, Moment::first_absolute), Moment::first_absolute,
-                           Segmentation::least_squares, kAnything)
-      ->dimension;
-}
-
 Survey survey_of(bool exact, double dimension, std::uint64_t seed) {
   const FractalLaw law{dimension, 1.0};
   return paper_survey(*(exact ? fbm_surface(law, kPaperSide, kPaperSide, 1.0, seed)
@@ -182,12 +169,16 @@ mean error in % of D (standard deviation over surfaces, worst); a mean's standar
   print_papers_rows("successive random additions", refined);
   print_papers_rows("exact ground", exact);
   print_row("share of the generator in the clean error", kColumns, [&](std::size_t c) {
-    const double generator = refined[c].papers[0].mean(), own = exact[c].papers[0].mean();
-    if (std::abs(generator) < 3.0 * refined[c].papers[0].sd() / 10.0) return std::string("–");
-    return fmt::format("{:.0f} %", 100.0 * std::clamp(1.0 - own / generator, 0.0, 1.0));
+    const Errors &all = refined[c].papers[0], &own = exact[c].papers[0];
+    const auto standard_error = [](const Errors& e) { return e.sd() / std::sqrt(static_cast<double>(e.count)); };
+    if (std::abs(all.mean()) < 3.0 * standard_error(all)) return std::string("–");
+    const double rest = own.mean() / all.mean();
+    const double doubt = std::hypot(standard_error(own), rest * standard_error(all)) / std::abs(all.mean());
+    return fmt::format("{:.0f} ± {:.0f} %", 100.0 * (1.0 - rest), 100.0 * doubt);
   });
   print_text(R"(
-The share is 1 − (error on exact ground)/(error on the generator's), where the latter exceeds 3 standard errors. Most
+The share is 1 − (error on exact ground)/(error on the generator's) with its standard error, where the latter exceeds 3
+of its own. Most
 of the error at small D is the generator's: its surfaces are rougher than their nominal D says (see docs/fractal.md,
 Generators).)");
   print_redraws();

@@ -18,17 +18,6 @@ constexpr std::array kBound = {.0157, .0151, .0140, .0125, .0099, .0075};
 constexpr std::array kBoundFactor = {1.5, 1.25, 1.25, 1.25, 1.25, 1.25};
 constexpr double kTilt = 0.5;
 
-/// First absolute moment, annuli of one cell from 1 to half the side, one unweighted line.
-double papers_estimate(const Survey& survey, double cell) {
-  SerialExecutor serial;
-  const auto statistics = *structure_function(survey.columns(), uniform_annuli(cell, 128.0 * cell),
-                                              {.route = PairRoute::all_pairs}, serial);
-  constexpr double kAnything = 1e3;
-  return log_log_dimension(log_log_points(statistics, Moment::first_absolute), Moment::first_absolute,
-                           Segmentation::least_squares, kAnything)
-      ->dimension;
-}
-
 struct Judged {
   DimensionEstimate estimate;
   double papers = 0.0;
@@ -46,7 +35,8 @@ Column judge(std::size_t c) {
   const auto all = over_surfaces(count, [&](int i) {
     Survey survey = exact_survey(kDimensions[c], static_cast<std::uint64_t>(i));
     Judged out;
-    if (i < kPapers) out.papers = papers_estimate(survey, cell);
+    if (i < kPapers)
+      out.papers = first_moment_dimension(survey, uniform_annuli(cell, 128.0 * cell), {.route = PairRoute::all_pairs});
     add_plane(survey, kTilt, 0.0);
     out.estimate = *estimate_dimension_vecchia(survey.points());
     return out;
