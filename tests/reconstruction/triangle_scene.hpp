@@ -1,6 +1,7 @@
 #pragma once
 // Samples of exact ground as scattered points, and realisations of it.
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
@@ -40,6 +41,15 @@ struct ScatteredScene {
       if (std::none_of(samples.z_m.begin(), samples.z_m.end(),
                        [z = static_cast<double>(truth(r, c))](double other) { return other == z; }))
         add(r, c);
+  }
+  /// Every fourth cell of the border: it lies within the hull and takes little from the rest.
+  void add_border() {
+    add_corners();
+    for (int i = 4; i + 4 < truth.rows(); i += 4)
+      for (const auto& [r, c] : {std::pair{0, i}, {truth.rows() - 1, i}, {i, 0}, {i, truth.rows() - 1}})
+        if (std::none_of(samples.z_m.begin(), samples.z_m.end(),
+                         [z = static_cast<double>(truth(r, c))](double other) { return other == z; }))
+          add(r, c);
   }
   int row(std::size_t sample) const { return static_cast<int>(samples.y_m[sample] / 0.1); }
   int column(std::size_t sample) const { return static_cast<int>(samples.x_m[sample] / 0.1); }

@@ -8,5 +8,6 @@ namespace scree::bench {
 void conditional_section();
 void delaunay_section();
 void polyhedron_section();
+void barycentre_section();
 
 }  // namespace scree::bench
