@@ -15,6 +15,7 @@ class BlendFit {
   }
   /// Weights, and edges if any; fields of the shape that `shape()` says. Its change takes effect with the next fit.
   BlendField& prior() { return prior_; }
+  const BlendField& prior() const { return prior_; }
   const MultigridShape& shape() const { return shape_; }
 
   /// precision ≥ 0; 0 = no datum. Several data of one cell: their weighted mean with the sum of precisions.
@@ -35,6 +36,8 @@ class BlendFit {
   }
   const float* row(int r) const { return x_.row(r); }
   float* row(int r) { return x_.row(r); }
+  /// Of a cell with a datum.
+  float height(int row, int column) const { return right_side_.row(row)[column] / precision_.row(row)[column]; }
   float precision(int row, int column) const { return precision_.row(row)[column]; }
   int iterations() const { return iterations_; }  ///< of all fits
 

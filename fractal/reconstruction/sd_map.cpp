@@ -147,24 +147,29 @@ void SdMap::smooth_ratio(bool level_known) {
   ratio_.smooth();
 }
 
-void SdMap::write(const Grid<float>& variance_m2, int fields, Executor& executor, Grid<float>& sd_m) const {
-  const int columns = sd_m.columns();
+void SdMap::correct(int fields, Executor& executor) {
+  const int columns = model_m2_.columns();
   const auto mean = static_cast<float>(mean_ratio_);
   const float share = 1.0F / (1.0F + 8.0F / static_cast<float>(fields));
   const auto pass = [&](int first, int last) {
-    alignas(64) std::array<float, kBlock> alone;
-    for (int r = first; r < last; ++r)
-      for (int begin = 0; begin < columns; begin += kBlock) {
-        const int n = std::min(kBlock, columns - begin);
-        const float* model = model_m2_.row(r).data() + begin;
-        const float *ratio = ratio_.smoothed(r).data() + begin, *inside = ratio_.weight_of_columns().data() + begin;
-        const float down = 1.0F / ratio_.weight_of_row(r);
-        for (int i = 0; i < n; ++i)
-          alone[static_cast<std::size_t>(i)] = model[i] * (mean + share * (down * ratio[i] / inside[i] - mean));
-        write_row(variance_m2.row(r).data() + begin, alone.data(), sd_m.row(r).data() + begin, n);
-      }
+    for (int r = first; r < last; ++r) {
+      float* model = model_m2_.row(r).data();
+      const float *ratio = ratio_.smoothed(r).data(), *inside = ratio_.weight_of_columns().data();
+      const float down = 1.0F / ratio_.weight_of_row(r);
+      for (int i = 0; i < columns; ++i) model[i] *= mean + share * (down * ratio[i] / inside[i] - mean);
+    }
   };
-  executor.for_ranges(sd_m.rows(), std::ref(pass));
+  executor.for_ranges(model_m2_.rows(), std::ref(pass));
+}
+
+void SdMap::inflate(const Grid<float>& factor, const Grid<float>& variance_m2, Grid<float>& sd_m) const {
+  assert(factor.rows() == model_m2_.rows() && factor.columns() == model_m2_.columns());
+  if (features_.measured_cells() < 1.0) return;
+  std::vector<float> alone(static_cast<std::size_t>(factor.columns()));
+  for (int r = 0; r < factor.rows(); ++r) {
+    for (int c = 0; c < factor.columns(); ++c) alone[static_cast<std::size_t>(c)] = model_m2_(r, c) * factor(r, c);
+    write_row(variance_m2.row(r).data(), alone.data(), sd_m.row(r).data(), factor.columns());
+  }
 }
 
 void SdMap::estimate(const Grid<float>& mean_square_m2, int fields, const Grid<float>& variance_m2, const LawMap& law,
@@ -185,7 +190,12 @@ void SdMap::estimate(const Grid<float>& mean_square_m2, int fields, const Grid<f
     fit(mean_square_m2, law, cell_m, executor);
   predict(mean_square_m2, law, cell_m, executor);
   smooth_ratio(few);
-  write(variance_m2, fields, executor, sd_m);
+  correct(fields, executor);
+  const auto write = [&](int first, int last) {
+    for (int r = first; r < last; ++r)
+      write_row(variance_m2.row(r).data(), model_m2_.row(r).data(), sd_m.row(r).data(), columns);
+  };
+  executor.for_ranges(rows, std::ref(write));
 }
 
 }  // namespace scree::fractal

@@ -30,12 +30,18 @@ class SdMap {
   void estimate(const Grid<float>& mean_square_m2, int fields, const Grid<float>& variance_m2, const LawMap& law,
                 double cell_m, Executor& executor, Grid<float>& sd_m);
 
+  /// After an estimate() with a measured cell: each cell's variance without a datum of its own, m².
+  const Grid<float>& variance_alone_m2() const { return model_m2_; }
+  /// After estimate(): the same sd with variance_alone_m2() times `factor` ≥ 1, for what the law does not know of.
+  /// Measured cells stay below the sd of their data.
+  void inflate(const Grid<float>& factor, const Grid<float>& variance_m2, Grid<float>& sd_m) const;
+
  private:
   void fit(const Grid<float>& mean_square_m2, const LawMap& law, double cell_m, Executor& executor);
   void fit_level(const Grid<float>& mean_square_m2, const Grid<float>& variance_m2, const LawMap& law, double cell_m);
   void predict(const Grid<float>& mean_square_m2, const LawMap& law, double cell_m, Executor& executor);
   void smooth_ratio(bool level_known);
-  void write(const Grid<float>& variance_m2, int fields, Executor& executor, Grid<float>& sd_m) const;
+  void correct(int fields, Executor& executor);
 
   SdFeatures features_;
   LogRegression regression_;
