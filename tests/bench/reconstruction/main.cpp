@@ -20,6 +20,8 @@ constexpr std::array kSections = {
     Section{"delaunay", delaunay_section},
     Section{"polyhedron", polyhedron_section},
     Section{"barycentre", barycentre_section},
+    Section{"methods", methods_section},
+    Section{"kriging", kriging_section},
 };
 
 }  // namespace

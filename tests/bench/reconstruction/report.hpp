@@ -9,5 +9,7 @@ void conditional_section();
 void delaunay_section();
 void polyhedron_section();
 void barycentre_section();
+void methods_section();
+void kriging_section();
 
 }  // namespace scree::bench
