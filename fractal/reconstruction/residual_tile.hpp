@@ -20,13 +20,16 @@ class ResidualTiles {
 
   int side() const { return side_; }
 
-  /// Rows of an fBm with unit rms change over one cell; values up to a constant. `centre` anchors the random plane: any
-  /// choice shifts the field by a constant only. Call prepare(dimension) first; then const, and safe from many threads.
-  void prepare(double dimension);
-  void surface_row(double dimension, CellIndex start, CellIndex centre, int count, float* out) const;
+  /// Rows of field k, an fBm with unit rms change over one cell; values up to a constant. Fields 2j and 2j + 1 are
+  /// independent; those of one parity up to 8 apart are one torus seen from half its side away: independent where data
+  /// pin what is that long. `centre` anchors the random plane: any choice shifts the field by a constant only. Call
+  /// prepare(dimension, k + 1) first; then const, and safe from many threads.
+  void prepare(double dimension, int fields = 1);
+  void surface_row(double dimension, int k, CellIndex start, CellIndex centre, int count, float* out) const;
 
-  /// Standard normals of the cells' measurement noise.
-  void noise_row(CellIndex start, int count, float* out) const;
+  /// Standard normals of the cells' measurement noise in field k; prepare_noise(k + 1) is enough for them.
+  void prepare_noise(int fields);
+  void noise_row(int k, CellIndex start, int count, float* out) const;
 
  private:
   struct Tile {
@@ -39,15 +42,24 @@ class ResidualTiles {
   };
   static constexpr int kTiles = 10;
   static constexpr double kFirst = 2.05, kStep = 0.1;
+  struct Part {
+    std::vector<std::complex<float>> white;  // spectrum rows 0 … side/2, filled with the first tile
+    std::array<Tile, kTiles> tiles;
+    Grid<float> noise;
+  };
   static Blend blend_of(double dimension);
-  void make_tile(std::size_t node);
+  void make_tile(std::size_t part, std::size_t node);
+  void make_noise(std::size_t part);
+  /// The torus that holds field k, and where.
+  static std::size_t part_of(int k) { return static_cast<std::size_t>(k % 2 + 2 * (k / 8)); }
+  CellIndex shifted(int k, CellIndex cell) const {
+    return {cell.x + (k / 2 % 2) * (side_ / 2), cell.y + (k / 4 % 2) * (side_ / 2)};
+  }
   int wrapped(std::int32_t coordinate) const { return ((coordinate % side_) + side_) % side_; }
 
   std::uint64_t seed_;
   int side_;
-  std::vector<std::complex<float>> white_;  // spectrum rows 0 … side/2, filled with the first tile
-  std::array<Tile, kTiles> tiles_;
-  Grid<float> noise_;
+  std::vector<Part> parts_;
 };
 
 }  // namespace scree::fractal

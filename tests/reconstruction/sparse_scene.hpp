@@ -6,6 +6,7 @@
 
 #include "core/grid.hpp"
 #include "core/random.hpp"
+#include "fractal/reconstruction/cell_samples.hpp"
 #include "fractal/reconstruction/conditional.hpp"
 #include "tests/reconstruction/surface_metrics.hpp"
 
@@ -31,6 +32,12 @@ struct SparseScene {
           height(r, c) = truth(r, c) + static_cast<float>(sigma * random_normals(seed, 6, c, r)[0]);
           variance(r, c) = static_cast<float>(sigma * sigma);
         }
+  }
+  CellSamples cells() const {
+    CellSamples samples{height, variance, Grid<std::uint16_t>(height.rows(), height.columns(), 0)};
+    for (std::size_t i = 0; i < height.size(); ++i)
+      if (!std::isnan(height[i])) samples.hits[i] = 1, ++samples.cells, ++samples.inside;
+    return samples;
   }
   LatticeWindow window(CellIndex min = {0, 0}) const { return {min, height.rows(), height.columns()}; }
 };

@@ -1,0 +1,38 @@
+#pragma once
+// The default method: posterior mean, draws and standard deviation of every cell.
+
+#include <cstddef>
+
+#include "core/executor.hpp"
+#include "core/result.hpp"
+#include "fractal/reconstruction/cell_samples.hpp"
+#include "fractal/reconstruction/surface_problem.hpp"
+
+namespace scree::fractal {
+
+struct ConditionalOptions {
+  int residual_fields = 8;   ///< K ≥ 1 behind the standard deviation; at least as many as draws are made
+  double tolerance = 0.05;   ///< stop at r·z < tolerance²·cells (0.02 at most where any D < 2.3)
+  int max_iterations = 200;  ///< cycles of one solve
+};
+
+/// Mean A⁻¹·c·d with the blend prior (multigrid.hpp); draw k = mean + r_k, residual r_k = u_k − A⁻¹(c·u_k + √c·n_k)
+/// with u_k an unconditional field of the law and n_k white noise: r_k has the law of the mean's true error whatever
+/// the prior [CD12 ch. 7]. sd_m by SdMap from the K residuals. D is clamped to [2.05, 2.95]. One law or one a cell.
+/// Everything is keyed on request.seed and does not depend on the executor. iterations: cycles of all solves together.
+/// Errors: those of check_surface (one measured cell is enough: the sd then grows with the distance from it); a law map
+/// of another shape or with values out of range; residual_fields < 1; a side above DistanceTransform::kMaxSide.
+/// Cost: K + 1 solves and K Fourier syntheses, linear in cells (docs/reconstruction.md). Memory:
+/// conditional_memory_bytes.
+Result<SurfaceEstimate> reconstruct_conditional(const CellSamples& samples, const SurfaceRequest& request,
+                                                const ConditionalOptions& options, Executor& executor);
+
+/// What reconstruct_conditional holds at its peak for a grid, in bytes, its samples, law map and result included: about
+/// 110 a cell for one law on large grids, 150 for a law a cell. The holes in the data decide how large the Fourier
+/// torus is; this is for gaps up to a thirtieth of the longer side.
+std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies);
+
+/// The side of the largest square grid that fits in so many bytes, a multiple of 64; 0 if none does.
+int largest_conditional_side(std::size_t bytes, bool law_varies);
+
+}  // namespace scree::fractal
