@@ -50,8 +50,9 @@ inline BarycentreOptions corrected_barycentre() {
 
 /// Method of the paper [DBF]. A uniformly random place chooses a triangle, so large ones come first; its barycentre
 /// becomes a vertex of the Delaunay triangulation; until N are in. The places are drawn within the grid, where it and
-/// the hull meet. All realisations share the points and differ in heights. Heights of cells are those of the faces at
-/// their centres, NaN outside the hull. Samples are interpolated exactly; their variance is not used (but at repeated
+/// the hull meet, in batches of a quarter of the points so far, each taken along a curve (the order within a batch is
+/// free). All realisations share the points and differ in heights. Heights of cells are those of the faces at their
+/// centres, NaN outside the hull. Samples are interpolated exactly; their variance is not used (but at repeated
 /// places). iterations in the result: insertions done, fewer than asked for only where hull and grid hardly meet or a
 /// barycentre no longer differs from a vertex. Errors: those of triangulate(); usage (insertions below −1 or beyond
 /// kMaxInsertions, a centre whose law is none).

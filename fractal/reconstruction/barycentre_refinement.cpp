@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/random.hpp"
-#include "fractal/reconstruction/local_kriging.hpp"
+#include "fractal/reconstruction/spatial_order.hpp"
 
 namespace scree::fractal {
 namespace {
 
-constexpr std::uint64_t kPlaceStream = 0x6261727963656e74;   // "barycent"
-constexpr std::uint64_t kHeightStream = 0x6261727968656967;  // "baryheig"
+constexpr std::uint64_t kPlaceStream = 0x6261727963656e74;  // "barycent"
 constexpr std::int64_t kTriesPerPoint = 50;
 constexpr double kLeastDistance = 1e-6;  // cells
 
@@ -49,43 +47,7 @@ BarycentreRefinement::BarycentreRefinement(TriangulatedSamples samples, const Su
       heights_(repeated_heights(samples.z_m, realisations)),
       low_(corner(mesh_, request.grid, false)),
       high_(corner(mesh_, request.grid, true)),
-      hints_(mesh_, low_, high_),
       spread_(static_cast<std::size_t>(realisations)) {}
-
-FractalLaw BarycentreRefinement::law_of(const PlanePoint& p) const {
-  if (options_.centres.empty()) return law_at(request_, p.x, p.y);
-  const double x_m = (p.x + 0.5) * request_.grid.cell_m, y_m = (p.y + 0.5) * request_.grid.cell_m;
-  const auto squared = [&](const InfluenceCentre& centre) {
-    return (centre.x_m - x_m) * (centre.x_m - x_m) + (centre.y_m - y_m) * (centre.y_m - y_m);
-  };
-  return std::min_element(options_.centres.begin(), options_.centres.end(),
-                          [&](const auto& a, const auto& b) { return squared(a) < squared(b); })
-      ->law;
-}
-
-bool BarycentreRefinement::in_grid(const PlanePoint& p) const {
-  return p.x >= low_.x && p.x <= high_.x && p.y >= low_.y && p.y <= high_.y;
-}
-
-/// var(mean of corners − corner) over the triangles of the grid as they are now; their mean is 0 by construction.
-void BarycentreRefinement::measure_spread() {
-  stage_begin_ = mesh_.vertex_count();
-  std::fill(spread_.begin(), spread_.end(), 0.0);
-  std::int64_t triangles = 0;
-  for (int t = 0; t < mesh_.triangle_count(); ++t) {
-    if (mesh_.is_ghost(t)) continue;
-    const auto& [a, b, c] = mesh_.triangle(t).vertex;
-    const PlanePoint &pa = mesh_.point(a), &pb = mesh_.point(b), &pc = mesh_.point(c);
-    if (!in_grid({(pa.x + pb.x + pc.x) / 3.0, (pa.y + pb.y + pc.y) / 3.0})) continue;
-    ++triangles;
-    for (int k = 0; k < realisations_; ++k) {
-      const double za = heights(a)[k], zb = heights(b)[k], zc = heights(c)[k], mean = (za + zb + zc) / 3.0;
-      spread_[static_cast<std::size_t>(k)] +=
-          (za - mean) * (za - mean) + (zb - mean) * (zb - mean) + (zc - mean) * (zc - mean);
-    }
-  }
-  for (double& spread : spread_) spread /= 3.0 * std::max<double>(1.0, static_cast<double>(triangles));
-}
 
 bool BarycentreRefinement::insert(const PlanePoint& p, int triangle, BarycentreLaw law) {
   const std::array<int, 3> corners = mesh_.triangle(triangle).vertex;
@@ -97,88 +59,60 @@ bool BarycentreRefinement::insert(const PlanePoint& p, int triangle, BarycentreL
     raise_by_neighbours(vertex);
   else
     raise_by_corners(vertex, corners, law);
-  hints_.added(p);
+  near_ = mesh_.star()[0];
   return true;
 }
 
-/// Two realisations share a call of the generator.
-std::array<double, 2> BarycentreRefinement::normals(int vertex, int k) const {
-  return random_normals(request_.seed, kHeightStream + static_cast<std::uint64_t>(k / 2), vertex, 0);
+std::vector<PlanePoint> BarycentreRefinement::random_places(std::int64_t first, std::int64_t count) const {
+  std::vector<PlanePoint> places(static_cast<std::size_t>(count));
+  for (std::int64_t i = 0; i < count; ++i) {
+    const auto words = random_words(request_.seed, kPlaceStream, half(first + i, 0), half(first + i, 1));
+    places[static_cast<std::size_t>(i)] = {low_.x + (high_.x - low_.x) * to_uniform(words[0]),
+                                           low_.y + (high_.y - low_.y) * to_uniform(words[1])};
+  }
+  return places;
 }
 
-void BarycentreRefinement::raise_by_corners(int vertex, const std::array<int, 3>& corners, BarycentreLaw kind) {
-  const PlanePoint p = mesh_.point(vertex);
-  const FractalLaw law = law_of(p);
-  const TriangleVariogram v({mesh_.point(corners[0]), mesh_.point(corners[1]), mesh_.point(corners[2])}, p, law.hurst(),
-                            law.rms_change_m(request_.grid.cell_m));
-  TriangleLaw height = kind == BarycentreLaw::conditional ? conditional_law(v) : exact_mean_law(v);
-  for (int k = 0; k < realisations_; k += 2) {
-    const auto noise = normals(vertex, k);
-    for (int i = k; i < std::min(k + 2, realisations_); ++i) {
-      if (kind == BarycentreLaw::published) height = published_law(v, spread_[static_cast<std::size_t>(i)]);
-      double z = std::sqrt(height.variance) * noise[static_cast<std::size_t>(i - k)];
-      for (std::size_t j = 0; j < 3; ++j) z += height.weight[j] * heights(corners[j])[i];
-      heights_.push_back(z);
-    }
-  }
+/// At the barycentre of the triangle around the place, if there is one.
+bool BarycentreRefinement::insert_into(const PlanePoint& place) {
+  const int t = mesh_.locate(place, near_);
+  if (mesh_.is_ghost(t)) return false;
+  const auto& [a, b, c] = mesh_.triangle(t).vertex;
+  const PlanePoint &pa = mesh_.point(a), &pb = mesh_.point(b), &pc = mesh_.point(c);
+  return insert({(pa.x + pb.x + pc.x) / 3.0, (pa.y + pb.y + pc.y) / 3.0}, t, options_.law);
 }
 
-void BarycentreRefinement::raise_by_neighbours(int vertex) {
-  const PlanePoint p = mesh_.point(vertex);
-  const FractalLaw law = law_of(p);
-  std::array<int, kMaxLocalPoints> known;
-  std::array<PlanePoint, kMaxLocalPoints> points;
-  std::size_t count = 0;
-  for (const int t : mesh_.star()) {  // a triangle of the star names one neighbour first; the new vertex last
-    const int neighbour = mesh_.triangle(t).vertex[0];
-    if (neighbour == Delaunay::kInfinite || count == kMaxLocalPoints) continue;
-    known[count] = neighbour;
-    points[count++] = mesh_.point(neighbour);
-  }
-  const LocalLaw height = local_law({points.data(), count}, p, law.hurst(), law.rms_change_m(request_.grid.cell_m));
-  const double sd = std::sqrt(height.variance);
-  for (int k = 0; k < realisations_; k += 2) {
-    const auto noise = normals(vertex, k);
-    for (int i = k; i < std::min(k + 2, realisations_); ++i) {
-      double z = sd * noise[static_cast<std::size_t>(i - k)];
-      for (std::size_t j = 0; j < count; ++j) z += height.weight[j] * heights(known[j])[i];
-      heights_.push_back(z);
-    }
-  }
-}
-
+/// Places are drawn in batches and taken along a curve within each: neighbours in the plane are then neighbours in
+/// memory, without which a million insertions wait for it four times as long.
 std::int64_t BarycentreRefinement::refine(std::int64_t count) {
   mesh_.reserve(static_cast<std::size_t>(mesh_.vertex_count() + count));
   heights_.reserve(static_cast<std::size_t>(mesh_.vertex_count() + count) * static_cast<std::size_t>(realisations_));
   if (!(low_.x < high_.x && low_.y < high_.y)) return 0;
-  std::int64_t done = 0;
-  for (std::int64_t i = 0; done < count && i < kTriesPerPoint * count + 1000; ++i) {
-    if (options_.law == BarycentreLaw::published && (done == 0 || mesh_.vertex_count() >= 2 * stage_begin_))
-      measure_spread();
-    const auto words = random_words(request_.seed, kPlaceStream, half(i, 0), half(i, 1));
-    const PlanePoint place{low_.x + (high_.x - low_.x) * to_uniform(words[0]),
-                           low_.y + (high_.y - low_.y) * to_uniform(words[1])};
-    const int t = mesh_.locate(place, hints_.at(place));
-    if (mesh_.is_ghost(t)) continue;
-    const auto& [a, b, c] = mesh_.triangle(t).vertex;
-    const PlanePoint &pa = mesh_.point(a), &pb = mesh_.point(b), &pc = mesh_.point(c);
-    done += insert({(pa.x + pb.x + pc.x) / 3.0, (pa.y + pb.y + pc.y) / 3.0}, t, options_.law);
-    if (request_.on_progress && done % 65536 == 0)
-      request_.on_progress(static_cast<double>(done) / static_cast<double>(count));
+  std::int64_t done = 0, tried = 0;
+  while (done < count && tried < kTriesPerPoint * count + 1000) {
+    const std::int64_t batch = std::min<std::int64_t>(count - done, 32 + mesh_.vertex_count() / 4);
+    const std::vector<PlanePoint> places = random_places(tried, batch);
+    tried += batch;
+    for (const int i : curve_order(places)) {
+      if (options_.law == BarycentreLaw::published && (done == 0 || mesh_.vertex_count() >= 2 * stage_begin_))
+        measure_spread();
+      done += insert_into(places[static_cast<std::size_t>(i)]);
+    }
+    if (request_.on_progress) request_.on_progress(static_cast<double>(done) / static_cast<double>(count));
   }
   return done;
 }
 
 void BarycentreRefinement::insert_cell_centres() {
-  const auto columns = static_cast<std::int64_t>(request_.grid.columns), cells = columns * request_.grid.rows;
-  const BarycentreLaw centres_law =  // equal weights are for barycentres alone
+  const BarycentreLaw law =  // equal weights are for barycentres alone
       options_.law == BarycentreLaw::neighbours ? BarycentreLaw::neighbours : BarycentreLaw::conditional;
-  std::int64_t step = std::max<std::int64_t>(1, static_cast<std::int64_t>(0.6180339887 * static_cast<double>(cells)));
-  while (std::gcd(step, cells) != 1) ++step;  // every cell once, spread evenly at all times
-  for (std::int64_t i = 0, cell = 0; i < cells; ++i, cell = (cell + step) % cells) {
-    const PlanePoint p{static_cast<double>(cell % columns), static_cast<double>(cell / columns)};
-    const int t = mesh_.locate(p, hints_.at(p));
-    if (!mesh_.is_ghost(t)) insert(p, t, centres_law);
+  std::vector<PlanePoint> centres;
+  for (int r = 0; r < request_.grid.rows; ++r)
+    for (int c = 0; c < request_.grid.columns; ++c) centres.push_back({static_cast<double>(c), static_cast<double>(r)});
+  for (const int i : insertion_order(centres)) {
+    const PlanePoint p = centres[static_cast<std::size_t>(i)];
+    const int t = mesh_.locate(p, near_);
+    if (!mesh_.is_ghost(t)) insert(p, t, law);
   }
 }
 

@@ -8,7 +8,6 @@
 #include "fractal/reconstruction/barycentre.hpp"
 #include "fractal/reconstruction/triangle_kriging.hpp"
 #include "fractal/reconstruction/triangulated_samples.hpp"
-#include "fractal/reconstruction/walk_hints.hpp"
 
 namespace scree::fractal {
 
@@ -19,13 +18,15 @@ class BarycentreRefinement {
 
   /// Insertions at barycentres until `count` more points are in; returns how many are.
   std::int64_t refine(std::int64_t count);
-  /// The centres of all cells within the hull, spread out from the first on.
+  /// The centres of all cells within the hull, in rounds that each are spread out over the grid.
   void insert_cell_centres();
   void rasterise(int k, Grid<float>& out) const;
   const Delaunay& mesh() const { return mesh_; }
   double height(int vertex, int k) const { return heights(vertex)[k]; }
 
  private:
+  std::vector<PlanePoint> random_places(std::int64_t first, std::int64_t count) const;
+  bool insert_into(const PlanePoint& place);
   bool insert(const PlanePoint& point, int triangle, BarycentreLaw law);
   void raise_by_corners(int vertex, const std::array<int, 3>& corners, BarycentreLaw law);
   void raise_by_neighbours(int vertex);
@@ -43,9 +44,9 @@ class BarycentreRefinement {
   Delaunay mesh_;
   std::vector<double> heights_;  // of each vertex, one a realisation
   PlanePoint low_, high_;        // where places are drawn: what grid and hull's box share
-  WalkHints hints_;
-  std::vector<double> spread_;  // published law: var(mean of corners − corner) of each realisation in this stage
-  int stage_begin_ = 0;         // vertices
+  int near_ = 0;                 // a triangle at the point added last
+  std::vector<double> spread_;   // published law: var(mean of corners − corner) of each realisation in this stage
+  int stage_begin_ = 0;          // vertices
 };
 
 }  // namespace scree::fractal

@@ -41,8 +41,10 @@ int last_cell(double to, int count) {
 void rasterise_triangle(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c, Grid<float>& out) {
   const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
   if (area == 0.0) return;
+  const auto [left, right] = std::minmax({a.x, b.x, c.x});
+  if (right < -kEdge || first_cell(left) > last_cell(right, out.columns())) return;  // most small triangles
   const auto [low, high] = std::minmax({a.y, b.y, c.y});
-  if (high < -kEdge || std::max({a.x, b.x, c.x}) < -kEdge) return;
+  if (high < -kEdge) return;
   const int last_row = last_cell(high, out.rows());
   for (int row = first_cell(low); row <= last_row; ++row) {
     Span span;
