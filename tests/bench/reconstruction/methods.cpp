@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "fractal/reconstruction/barycentre.hpp"
 #include "fractal/reconstruction/polyhedron.hpp"
 #include "fractal/reconstruction/spline.hpp"
 #include "fractal/reconstruction/szeliski.hpp"
@@ -91,6 +92,11 @@ std::vector<Method> all_methods() {
           on_cells("`thin-plate`", reconstruct_thin_plate, 1.0),
           on_cells("`membrane`", reconstruct_membrane, 1.0),
           on_points("`polyhedron`", reconstruct_polyhedron),
+          on_points("`barycentre`", reconstruct_barycentre),
+          on_points("`barycentre`, corrected",
+                    [](const HeightSamples& samples, const SurfaceRequest& request, Executor& executor) {
+                      return reconstruct_barycentre(samples, request, corrected_barycentre(), executor);
+                    }),
           {"`yokoya` (every 4th row and column)", student(8), [](const SparseScene& scene, std::uint64_t seed) {
              return on_cells("", reconstruct_yokoya, 9.0).run(scene, seed);
            }}};
