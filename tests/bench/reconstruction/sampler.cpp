@@ -34,7 +34,7 @@ Scores judge(double dimension, std::uint64_t seed) {
     MethodResult result;
     result.estimate =
         *sample(scene, kSweeps[s], true, seed + 1, [&](int, const Grid<float>& draw_m) { result.draw_m = draw_m; });
-    scores[s].add(scene, result, student(8));
+    scores[s].add(scene, result, kEightDraws);
   }
   return scores;
 }
