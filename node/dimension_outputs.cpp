@@ -8,6 +8,7 @@
 #include "fractal/anisotropy.hpp"
 #include "io/drawing.hpp"
 #include "node/dimension_plot.hpp"
+#include "node/length_text.hpp"
 #include "node/survey_grid.hpp"
 
 namespace scree::node {
@@ -29,11 +30,6 @@ Status check_map_options(const DimensionOutputOptions& options) {
 }
 
 }  // namespace
-
-Status check_length(const char* option, double value, const char* meaning) {
-  if (value >= 0.0 && std::isfinite(value)) return {};
-  return Error{ErrorKind::usage, fmt::format("{}: expected {}, found {}", option, meaning, value)};
-}
 
 Result<DimensionOutputs> DimensionOutputs::prepare(const DimensionOutputOptions& options) {
   if (Status status = check_map_options(options); !status) return status.error();

@@ -12,9 +12,6 @@
 
 namespace scree::node {
 
-/// Options of metres, 0 = not given. Errors: usage for what is negative or not finite; `meaning` is what was expected.
-Status check_length(const char* option, double value, const char* meaning);
-
 struct DimensionOutputOptions {
   double window_m = 0.0, cell_m = 0.0;  ///< 0 = not given
   std::string out, plot;                ///< empty = not given

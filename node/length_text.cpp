@@ -22,4 +22,9 @@ std::string range_text(double low_m, double high_m) {
   return length_text(low_m) + " to " + length_text(high_m) + " m";
 }
 
+Status check_length(const char* option, double value, const char* meaning) {
+  if (value >= 0.0 && std::isfinite(value)) return {};
+  return Error{ErrorKind::usage, fmt::format("{}: expected {}, found {}", option, meaning, value)};
+}
+
 }  // namespace scree::node

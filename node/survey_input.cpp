@@ -8,6 +8,7 @@
 #include <system_error>
 #include <tuple>
 
+#include "fractal/dimension_estimate.hpp"
 #include "io/point_cloud.hpp"
 #include "node/survey_readers.hpp"
 
@@ -38,7 +39,7 @@ Status check_options(const std::filesystem::path& file, Kind kind, const SurveyR
 /// Longitude and latitude give themselves away as a raster's do: heights of metres over ten-thousandths of a "metre".
 Status refuse_degrees(const SurveyInput& survey, const std::string& name) {
   const auto& [x, y, z] = std::tie(survey.all.x_m, survey.all.y_m, survey.all.z_m);
-  if (x.empty()) return {};
+  if (x.size() < fractal::kMinSurveyPoints) return {};  // a few posts may well be higher than they are apart
   const auto [west, east] = std::minmax_element(x.begin(), x.end());
   const auto [south, north] = std::minmax_element(y.begin(), y.end());
   const auto [low, high] = std::minmax_element(z.begin(), z.end());

@@ -28,6 +28,7 @@ Command add_simulate(CLI::App& app);
 Command add_synthesize(CLI::App& app);
 Command add_listen(CLI::App& app);
 Command add_dimension(CLI::App& app);
+Command add_reconstruct(CLI::App& app);
 std::vector<Command> add_config(CLI::App& app);
 
 /// Parses, runs, reports: the whole of main.

@@ -13,6 +13,7 @@
 #include "node/dimension_methods.hpp"
 #include "node/dimension_outputs.hpp"
 #include "node/dimension_report.hpp"
+#include "node/length_text.hpp"
 #include "node/survey_input.hpp"
 
 namespace scree::node {

@@ -1,5 +1,5 @@
 // The measured tables of docs/reconstruction.md, as Markdown on stdout. Arguments: --quick (a tenth of the surfaces),
-// --pictures FOLDER (figures of the sections that have some), names of sections (default: all).
+// names of sections (default: all).
 
 #include <algorithm>
 #include <array>
@@ -16,10 +16,13 @@ struct Section {
   void (*print)();
 };
 constexpr std::array kSections = {
-    Section{"conditional", conditional_section}, Section{"delaunay", delaunay_section},
-    Section{"polyhedron", polyhedron_section},   Section{"barycentre", barycentre_section},
-    Section{"methods", methods_section},         Section{"kriging", kriging_section},
-    Section{"sampler", sampler_section},         Section{"paper-tables", paper_tables_section},
+    Section{"conditional", conditional_section},
+    Section{"delaunay", delaunay_section},
+    Section{"polyhedron", polyhedron_section},
+    Section{"barycentre", barycentre_section},
+    Section{"methods", methods_section},
+    Section{"kriging", kriging_section},
+    Section{"peers", peers_section},
 };
 
 }  // namespace
@@ -29,8 +32,6 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::string_view(argv[i]) == "--quick")
       quick = true;
-    else if (std::string_view(argv[i]) == "--pictures" && i + 1 < argc)
-      pictures = argv[++i];
     else
       wanted.emplace_back(argv[i]);
   }

@@ -1,0 +1,169 @@
+#include "node/reconstruction_methods.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <fmt/format.h>
+#include <fstream>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "drivers/table.hpp"
+#include "fractal/reconstruction/barycentre.hpp"
+#include "fractal/reconstruction/cell_samples.hpp"
+#include "fractal/reconstruction/kriging.hpp"
+#include "fractal/reconstruction/polyhedron.hpp"
+#include "fractal/reconstruction/reconstruct_conditional.hpp"
+#include "fractal/reconstruction/spline.hpp"
+#include "fractal/reconstruction/szeliski.hpp"
+#include "fractal/reconstruction/yokoya.hpp"
+#include "io/file_bytes.hpp"
+
+namespace scree::node {
+namespace {
+
+using fractal::BarycentreLaw;
+using fractal::SurfaceEstimate;
+
+constexpr std::array<std::pair<std::string_view, BarycentreLaw>, 4> kBarycentreLaws{
+    {{"published", BarycentreLaw::published},
+     {"exact-variance", BarycentreLaw::exact_variance},
+     {"conditional", BarycentreLaw::conditional},
+     {"neighbours", BarycentreLaw::neighbours}}};
+
+std::optional<BarycentreLaw> barycentre_law(const std::string& name) {
+  for (const auto& [known, law] : kBarycentreLaws)
+    if (known == name) return law;
+  return std::nullopt;
+}
+
+/// Centres on the map to centres in the grid's frame.
+Result<std::vector<fractal::InfluenceCentre>> read_regions(const std::string& file, double x_min_m, double y_min_m) {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 24;
+  std::vector<std::uint8_t> bytes;
+  if (Status status = io::read_bytes(file, kMostBytes, bytes); !status) return status.error();
+  std::vector<fractal::InfluenceCentre> centres;
+  const auto row = [&](std::size_t line, std::span<const std::string_view> fields) -> Status {
+    std::array<double, 4> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const auto value = drivers::parse_number(fields[i]);
+      if (!value) return Error{value.error().kind, fmt::format("{}:{}: {}", file, line, value.error().message)};
+      values[i] = *value;
+    }
+    centres.push_back({values[0] - x_min_m, values[1] - y_min_m, {values[2], values[3]}});
+    return {};
+  };
+  if (Status status = drivers::parse_table(io::as_text(bytes), file, "x_m,y_m,dimension,amplitude_m", row); !status)
+    return status.error();
+  if (centres.empty())
+    return Error{ErrorKind::bad_data, fmt::format("{}: expected a centre behind the header, found none", file)};
+  return centres;
+}
+
+/// What the kernel reckons that a process may take without swapping; 0 = it does not say.
+std::size_t free_memory_bytes() {
+  std::ifstream table("/proc/meminfo");
+  std::string name, unit;
+  std::size_t kilobytes = 0;
+  while (table >> name >> kilobytes) {
+    if (name == "MemAvailable:") return kilobytes * 1024;
+    std::getline(table, unit);
+  }
+  return 0;
+}
+
+/// The default method's need; that of the others is about the same (kriging, for few cells, checks its own).
+Status check_memory(const fractal::SurfaceRequest& request) {
+  const auto& [rows, columns, cell_m] = request.grid;
+  const bool varies = request.law.varies();
+  const std::size_t needed = fractal::conditional_memory_bytes(rows, columns, varies), free = free_memory_bytes();
+  if (free == 0 || needed <= free) return {};
+  constexpr double kGigabyte = 1e9;
+  const int side = fractal::largest_conditional_side(free, varies);
+  return Error{ErrorKind::bad_data,
+               fmt::format("expected {:.1f} GB of free memory for {} x {} cells, found {:.1f} GB: enough for {} x {}; "
+                           "choose larger cells or a smaller --extent",
+                           static_cast<double>(needed) / kGigabyte, rows, columns,
+                           static_cast<double>(free) / kGigabyte, side, side)};
+}
+
+Result<SurfaceEstimate> by_triangles(const std::string& method, const fractal::HeightSamples& samples,
+                                     const fractal::SurfaceRequest& request, const MethodOptions& options,
+                                     double x_min_m, double y_min_m, Executor& executor) {
+  if (method == "polyhedron")
+    return fractal::reconstruct_polyhedron(samples, request, {.iterations = options.iterations.value_or(0)}, executor);
+  fractal::BarycentreOptions barycentre;
+  barycentre.insertions = options.insertions.value_or(barycentre.insertions);
+  if (options.barycentre_law) barycentre.law = barycentre_law(*options.barycentre_law).value_or(barycentre.law);
+  if (options.regions) {
+    auto centres = read_regions(*options.regions, x_min_m, y_min_m);
+    if (!centres) return centres.error();
+    barycentre.centres = *std::move(centres);
+  }
+  return fractal::reconstruct_barycentre(samples, request, barycentre, executor);
+}
+
+Result<SurfaceEstimate> by_cells(const std::string& method, const fractal::CellSamples& cells,
+                                 const fractal::SurfaceRequest& request, const MethodOptions& options,
+                                 Executor& executor) {
+  if (method == "conditional") return fractal::reconstruct_conditional(cells, request, {}, executor);
+  if (method == "membrane") return fractal::reconstruct_membrane(cells, request, executor);
+  if (method == "thin-plate") return fractal::reconstruct_thin_plate(cells, request, executor);
+  if (method == "yokoya") return fractal::reconstruct_yokoya(cells, request, executor);
+  if (method == "kriging") return fractal::reconstruct_kriging(cells, request, {}, executor);
+  fractal::SzeliskiOptions szeliski;
+  if (options.temperature)
+    szeliski.temperature = fractal::parse_temperature(*options.temperature).value_or(szeliski.temperature);
+  szeliski.sweeps = options.sweeps.value_or(szeliski.sweeps);
+  return fractal::reconstruct_szeliski(cells, request, szeliski, executor);
+}
+
+}  // namespace
+
+std::vector<std::string> reconstruction_methods() {
+  return {"conditional", "szeliski", "polyhedron", "barycentre", "yokoya", "thin-plate", "membrane", "kriging"};
+}
+
+Status check_method_options(const std::string& method, const MethodOptions& options) {
+  struct Belonging {
+    bool given;
+    const char *option, *method;
+  };
+  const Belonging belongings[] = {{options.temperature.has_value(), "--temperature", "szeliski"},
+                                  {options.sweeps.has_value(), "--sweeps", "szeliski"},
+                                  {options.iterations.has_value(), "--iterations", "polyhedron"},
+                                  {options.insertions.has_value(), "--insertions", "barycentre"},
+                                  {options.barycentre_law.has_value(), "--barycentre-law", "barycentre"},
+                                  {options.regions.has_value(), "--regions", "barycentre"}};
+  for (const auto& [given, option, owner] : belongings)
+    if (given && method != owner)
+      return Error{ErrorKind::usage,
+                   fmt::format("{}: expected --method {} beside it, found {}", option, owner, method)};
+  if (options.temperature && !fractal::parse_temperature(*options.temperature))
+    return Error{ErrorKind::usage,
+                 fmt::format("--temperature: expected empirical, formula, closed-form or square metres of at least 0, "
+                             "found '{}'",
+                             *options.temperature)};
+  if (options.barycentre_law && !barycentre_law(*options.barycentre_law))
+    return Error{ErrorKind::usage, fmt::format("--barycentre-law: expected published, exact-variance, conditional or "
+                                               "neighbours, found '{}'",
+                                               *options.barycentre_law)};
+  return {};
+}
+
+Result<SurfaceAnswer> reconstruct_surface(const std::string& method, const fractal::HeightSamples& samples,
+                                          const fractal::SurfaceRequest& request, const MethodOptions& options,
+                                          double x_min_m, double y_min_m, Executor& executor) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (Status status = check_memory(request); !status) return status.error();
+  const bool triangles = method == "polyhedron" || method == "barycentre";
+  const fractal::CellSamples cells = fractal::bin_samples(samples, request.grid, request.law);
+  auto estimate = triangles ? by_triangles(method, samples, request, options, x_min_m, y_min_m, executor)
+                            : by_cells(method, cells, request, options, executor);
+  if (!estimate) return estimate.error();
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  return SurfaceAnswer{*std::move(estimate), cells.cells, taken.count()};
+}
+
+}  // namespace scree::node
