@@ -105,25 +105,27 @@ void add_axes(const Frame& frame, const LogLogPlot& plot, std::vector<Shape>& sh
   shapes.emplace_back(Label{plot.subtitle, {kWidth / 2, 48}, Align::centre});
 }
 
-/// Rows of a swatch and its text, left to right in two columns; the row below the last is returned.
+/// Rows of a swatch and its text, left to right in two columns; a text too long for one has a row to itself.
 class Legend {
  public:
   Legend(double top, std::vector<Shape>& shapes) : top_(top), shapes_(shapes) {}
   template <class Swatch>
   void add(const std::string& label, const Swatch& swatch) {
     if (label.empty()) return;
-    const double x = kLeft + (entries_ % 2 == 0 ? 0.0 : 0.5 * (kWidth - kLeft - kRight)),
-                 y = top_ + kRow * (entries_ / 2);
+    constexpr double kColumn = 0.5 * (kWidth - kLeft - kRight), kText = 42, kLetter = 9.2;
+    const bool wide = kText + kLetter * static_cast<double>(label.size()) > kColumn;
+    if (wide) places_ += places_ % 2;
+    const double x = kLeft + (places_ % 2 == 0 ? 0.0 : kColumn), y = top_ + kRow * (places_ / 2);
     swatch(x, y);
-    shapes_.emplace_back(Label{label, {x + 42, y + 5}});
-    ++entries_;
+    shapes_.emplace_back(Label{label, {x + kText, y + 5}});
+    places_ += wide ? 2 : 1;
   }
-  double bottom() const { return top_ + kRow * ((entries_ + 1) / 2); }
+  double bottom() const { return top_ + kRow * ((places_ + 1) / 2); }
 
  private:
   double top_;
   std::vector<Shape>& shapes_;
-  int entries_ = 0;
+  int places_ = 0;  ///< taken, two a row
 };
 
 double add_legend(const Frame& frame, const LogLogPlot& plot, std::vector<Shape>& shapes) {

@@ -75,5 +75,20 @@ TEST(LogLogPlot, LettersBeyondAsciiAreReplaced) {
   EXPECT_EQ(ascii_text("2 × 3 ± 1 …"), "2 x 3 +- 1 ...");
 }
 
+TEST(LogLogPlot, LongLabelsOfTheLegendHaveARowToThemselves) {
+  LogLogPlot plot = line_plot();
+  plot.lines.front().label = "a law that takes many words to say what it is";
+  const auto y_of = [drawing = draw_loglog_plot(plot)](const std::string& text) {
+    for (const Shape& shape : drawing.shapes)
+      if (const auto* label = std::get_if<Label>(&shape); label != nullptr && label->text == text)
+        return label->at.y_px;
+    return -1.0;
+  };
+  const double law = y_of(plot.lines.front().label);
+  EXPECT_GT(law, y_of("measured"));
+  EXPECT_LT(law, y_of("band"));
+  EXPECT_EQ(y_of("band"), y_of("scales"));
+}
+
 }  // namespace
 }  // namespace scree::io
