@@ -1,5 +1,5 @@
 // The measured tables of docs/reconstruction.md, as Markdown on stdout. Arguments: --quick (a tenth of the surfaces),
-// names of sections (default: all).
+// --pictures FOLDER (figures of the sections that have some), names of sections (default: all).
 
 #include <algorithm>
 #include <array>
@@ -22,6 +22,8 @@ constexpr std::array kSections = {
     Section{"barycentre", barycentre_section},
     Section{"methods", methods_section},
     Section{"kriging", kriging_section},
+    Section{"sampler", sampler_section},
+    Section{"paper-tables", paper_tables_section},
     Section{"peers", peers_section},
 };
 
@@ -32,6 +34,8 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::string_view(argv[i]) == "--quick")
       quick = true;
+    else if (std::string_view(argv[i]) == "--pictures" && i + 1 < argc)
+      pictures = argv[++i];
     else
       wanted.emplace_back(argv[i]);
   }

@@ -1,5 +1,6 @@
 // The two methods that more than one section compares.
 
+#include "fractal/reconstruction/reconstruct_conditional.hpp"
 #include "fractal/reconstruction/unconditional_fields.hpp"
 #include "tests/bench/reconstruction/method_scores.hpp"
 
@@ -77,26 +78,17 @@ MethodResult run_kriging(const SparseScene& scene, std::uint64_t seed) {
 }
 
 MethodResult run_conditional(const SparseScene& scene, std::uint64_t seed) {
-  constexpr int kDraws = 16;
-  const int rows = scene.height.rows(), columns = scene.height.columns();
+  const ConditionalOptions options;
   SerialExecutor serial;
-  Reconstruction out;
   MethodResult result;
-  result.estimate.sd_m.assign(rows, columns, 0.0F);
-  for (std::uint64_t k = 0; k < kDraws; ++k) {
-    ConditionalReconstructor reconstructor(
-        {.cell_m = kSceneCellM, .max_cells = std::max(rows, columns), .seed = 100 * seed + k + 1});
-    reconstructor.reconstruct(scene.height, scene.variance, scene.window(), scene.law, serial, out);  // tiles
-    const double before = thread_ms();
-    reconstructor.reconstruct(scene.height, scene.variance, {{100000, 0}, rows, columns}, scene.law, serial, out);
-    result.ms += thread_ms() - before;
-    for (std::size_t i = 0; i < out.draw_m.size(); ++i)
-      result.estimate.sd_m[i] += std::pow(out.draw_m[i] - out.mean_m[i], 2.0F) / kDraws;
-  }
-  for (float& value : result.estimate.sd_m) value = std::sqrt(value);
-  result.surfaces = 2.0 * kDraws;
-  result.estimate.mean_m = out.mean_m;
-  result.draw_m = out.draw_m;
+  SurfaceRequest request = request_for(scene, 1);
+  request.seed = seed;
+  request.on_draw = [&](int, const Grid<float>& draw_m) { result.draw_m = draw_m; };
+  const CellSamples samples = cells_of(scene);
+  const double before = thread_ms();
+  result.estimate = *reconstruct_conditional(samples, request, options, serial);
+  result.ms = thread_ms() - before;
+  result.surfaces = 1.0 + options.residual_fields;
   return result;
 }
 

@@ -85,15 +85,13 @@ struct MethodScore {
   }
 };
 
-/// Student's quantile of `degrees` = 8 or 16 over the normal one: intervals from as many draws about a known mean.
-inline double student(int degrees) {
-  return (degrees == 8 ? 1.8595 : 1.7459) / fractal::kNormal95;
-}
+/// Student's quantile of 8 degrees of freedom over the normal one: intervals from 8 draws about a known mean.
+inline constexpr double kEightDraws = 1.8595 / fractal::kNormal95;
 
 /// Exact kriging: mean everywhere, one draw, the sd in a random 2 % of the cells (n² operations each). Time: without
 /// the sd.
 MethodResult run_kriging(const fractal::SparseScene& scene, std::uint64_t seed);
-/// The conditional method.
+/// The conditional method with its own sd.
 MethodResult run_conditional(const fractal::SparseScene& scene, std::uint64_t seed);
 
 }  // namespace scree::bench

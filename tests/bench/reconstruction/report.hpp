@@ -1,16 +1,23 @@
 #pragma once
 // Sections of the report on reconstruction; tables and loops over surfaces are those of the report on dimension.
 
+#include <string>
+
 #include "tests/bench/dimension/report.hpp"
 
 namespace scree::bench {
 
+/// Folder for the figures of the sections that have some; empty: none are written.
+inline std::string pictures;
+
 void conditional_section();
 void delaunay_section();
 void polyhedron_section();
-void peers_section();
 void barycentre_section();
 void methods_section();
 void kriging_section();
+void sampler_section();
+void paper_tables_section();
+void peers_section();
 
 }  // namespace scree::bench
