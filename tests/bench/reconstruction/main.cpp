@@ -20,6 +20,7 @@ constexpr std::array kSections = {
     Section{"delaunay", delaunay_section},
     Section{"polyhedron", polyhedron_section},
     Section{"barycentre", barycentre_section},
+    Section{"combined", combined_section},
     Section{"methods", methods_section},
     Section{"kriging", kriging_section},
     Section{"sampler", sampler_section},

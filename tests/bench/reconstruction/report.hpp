@@ -14,6 +14,7 @@ void conditional_section();
 void delaunay_section();
 void polyhedron_section();
 void barycentre_section();
+void combined_section();
 void methods_section();
 void kriging_section();
 void sampler_section();
