@@ -47,7 +47,7 @@ TEST(ProfilePair, CorrelationHasABound) {
   EXPECT_GT(max_profile_correlation(0.4, 0.8), 0.8);  // the fourth terrain of the paper just exists
   EXPECT_TRUE(fbm_profile_pair(0.4, 0.8, 0.8, 1024, 1));
   EXPECT_TRUE(fbm_profile_pair(0.6, 0.6, -1.0, 1024, 1));
-  for (const int count : {10, 100, 5000}) {  // the embedding needs a little less
+  for (const int count : {100, 5000}) {  // the embedding needs a little less
     const double limit = max_profile_correlation(0.2, 0.9);
     EXPECT_TRUE(fbm_profile_pair(0.2, 0.9, 0.97 * limit, count, 1));
     const auto refused = fbm_profile_pair(0.2, 0.9, 1.001 * limit, count, 1);

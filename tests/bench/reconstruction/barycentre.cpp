@@ -35,7 +35,7 @@ void table(const std::string& name, const BarycentreOptions& options) {
     return reconstruct_barycentre(samples, request, options, serial);
   };
   for (std::size_t d = 0; d < kDimensions.size(); ++d)
-    for (const Judgement& one : over_surfaces(surfaces(20), [&](int i) {
+    for (const Judgement& one : over_surfaces(surfaces(10), [&](int i) {
            return judge_scattered(scene_of(kDimensions[d], static_cast<std::uint64_t>(i)), method);
          }))
       columns[d] += one;
@@ -86,7 +86,7 @@ void barycentre_section() {
   print_text(R"(
 ## Barycentres of Delaunay triangles
 
-Exact surfaces, the 256 × 256 cells in the middle of a larger one, 5 % of them samples, 20 a D; 8 realisations each, one
+Exact surfaces, the 256 × 256 cells in the middle of a larger one, 5 % of them samples, 10 a D; 8 realisations each, one
 point for each cell. Errors in units of the change over one cell, of the cells without a sample.
 )");
   print_head("", kDimensions);

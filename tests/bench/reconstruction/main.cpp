@@ -21,6 +21,7 @@ constexpr std::array kSections = {
     Section{"polyhedron", polyhedron_section},
     Section{"barycentre", barycentre_section},
     Section{"combined", combined_section},
+    Section{"fbm", fbm_section},
     Section{"methods", methods_section},
     Section{"kriging", kriging_section},
     Section{"sampler", sampler_section},

@@ -56,7 +56,7 @@ void table(const std::string& name, bool theirs) {
   std::vector<JudgementColumn> columns(kDimensions.size());
   for (std::size_t d = 0; d < kDimensions.size(); ++d)
     for (const Run& one : over_surfaces(
-             surfaces(20), [&](int i) { return run(kDimensions[d], static_cast<std::uint64_t>(i), theirs); })) {
+             surfaces(10), [&](int i) { return run(kDimensions[d], static_cast<std::uint64_t>(i), theirs); })) {
       columns[d] += one.judgement;
       columns[d].dimension.add(one.dimension_error);
     }
@@ -74,7 +74,7 @@ void polyhedron_section() {
   print_text(R"(
 ## The polyhedron of Xiao and Zhou
 
-Exact surfaces, the 256 × 256 cells in the middle of a larger one, 20 a D; 8 realisations each. Errors in units of the
+Exact surfaces, the 256 × 256 cells in the middle of a larger one, 10 a D; 8 realisations each. Errors in units of the
 change over one cell, of the cells without a sample. D^ as above.
 
 Their experiment: 84 of each 10 × 10 cells removed, D and amplitude found from the rest, three iterations:

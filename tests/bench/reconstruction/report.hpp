@@ -15,6 +15,7 @@ void delaunay_section();
 void polyhedron_section();
 void barycentre_section();
 void combined_section();
+void fbm_section();
 void methods_section();
 void kriging_section();
 void sampler_section();
