@@ -17,6 +17,8 @@ struct Section {
 };
 constexpr std::array kSections = {
     Section{"conditional", conditional_section},
+    Section{"varying", varying_section},
+    Section{"speed", speed_section},
     Section{"delaunay", delaunay_section},
     Section{"polyhedron", polyhedron_section},
     Section{"barycentre", barycentre_section},

@@ -11,6 +11,7 @@ namespace scree::bench {
 inline std::string pictures;
 
 void conditional_section();
+void varying_section();
 void delaunay_section();
 void polyhedron_section();
 void barycentre_section();
