@@ -32,13 +32,12 @@ void BandTiles::prepare(int fields) {
   }
 }
 
-void BandTiles::surface_row(const BandAmplitudes& amplitudes, int k, CellIndex start, int count,
-                            std::vector<float>& line, float* out) const {
+void BandTiles::make_field(const BandAmplitudes& amplitudes, int k, BandAmplitudes::Scratch& scratch,
+                           PaddedField& u) const {
   const CellIndex shift{(k / 2 % 2) * (bands_.side() / 2), (k / 4 % 2) * (bands_.side() / 2)};
   const auto& part = parts_[static_cast<std::size_t>(k % 2 + 2 * (k / 8))];
-  std::fill_n(out, count, 0.0F);
-  for (int band = 0; band < kBands; ++band)
-    amplitudes.add_row(band, part[static_cast<std::size_t>(band)], shift, start, count, line, out);
+  amplitudes.make_field([&part](int band) -> const Grid<float>& { return part[static_cast<std::size_t>(band)]; }, shift,
+                        scratch, u);
 }
 
 }  // namespace scree::fractal

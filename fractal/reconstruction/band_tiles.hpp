@@ -18,9 +18,8 @@ class BandTiles {
   static constexpr int kBands = 7;
   /// Makes what the first `fields` fields need, once: some 100 ms a noise at side 512.
   void prepare(int fields);
-  /// Row `start.y` of field k from `start.x` on, in the unit of the amplitudes. Const and safe from many threads.
-  void surface_row(const BandAmplitudes& amplitudes, int k, CellIndex start, int count, std::vector<float>& line,
-                   float* out) const;
+  /// Field k over the amplitudes' window, in their unit; const and safe from many threads.
+  void make_field(const BandAmplitudes& amplitudes, int k, BandAmplitudes::Scratch& scratch, PaddedField& u) const;
 
  private:
   std::uint64_t seed_;

@@ -17,7 +17,7 @@ namespace {
 /// What one solve needs while it runs; every field of it is overwritten by the next.
 struct Workspace {
   PaddedField u, x, b;
-  std::vector<float> line;
+  BandAmplitudes::Scratch bands;
   BlendSolver solver;
 };
 
@@ -97,14 +97,15 @@ void ConditionalReconstructor::Solver::start_residual(int k, const LatticeWindow
   const MultigridShape& shape = problem.shape();
   const CellIndex centre{min.x + shape.columns / 2, min.y + shape.rows / 2};
   for (PaddedField* field : {&work.u, &work.b}) field->reshape(shape.rows, shape.columns);
+  if (varies) bands->make_field(amplitudes, k, work.bands, work.u);
   for (int r = 0; r < shape.rows; ++r) {
-    const CellIndex start{min.x, min.y + std::min(r, window.rows - 1)};
     float* u = work.u.row(r);
-    if (varies) {
-      bands->surface_row(amplitudes, k, start, window.columns, work.line, u);
+    if (!varies) {
+      tiles.surface_row(problem.dimension(), k, {min.x, min.y + r}, centre, shape.columns, u);
+    } else if (r < window.rows) {
       std::fill_n(u + window.columns, shape.columns - window.columns, u[window.columns - 1]);
     } else {
-      tiles.surface_row(problem.dimension(), k, {min.x, min.y + r}, centre, shape.columns, u);
+      std::copy_n(work.u.row(window.rows - 1), shape.columns, u);
     }
     tiles.noise_row(k, {min.x, min.y + r}, shape.columns, work.b.row(r));
   }

@@ -13,8 +13,8 @@ namespace scree::fractal {
 class Conditioning {
  public:
   /// Grids of one shape, NaN = unmeasured, variance_m2 > 0 where measured (below 1e-6 of the squared change over a cell
-  /// it counts as that: float solves keep six digits). D is clamped to [2.05, 2.95]. `min`: of the grids on the world
-  /// lattice. False without a measured cell: nothing can be solved for then.
+  /// it counts as that, of a varying law roughly: float solves keep six digits). D is clamped to [2.05, 2.95]. `min`:
+  /// of the grids on the world lattice. False without a measured cell: nothing can be solved for then.
   bool load(const Grid<float>& height_m, const Grid<float>& variance_m2, const LawMap& law, CellIndex min,
             double cell_m);
 
@@ -30,17 +30,18 @@ class Conditioning {
 
   /// A·x = b for the mean, in units less the level.
   void mean_problem(const Grid<float>& height_m, PaddedField& b) const;
-  /// u: an unconditional field in units; its weighted mean is taken off. b holds standard normals where measured and
-  /// becomes c·u + √c·n.
+  /// u: an unconditional field in units; its weighted mean is taken off. b holds standard normals where measured,
+  /// anything finite elsewhere, and becomes c·u + √c·n.
   void residual_problem(PaddedField& u, PaddedField& b) const;
 
  private:
-  double set_precision(const Grid<float>& height_m, const Grid<float>& variance_m2, const LawMap& law, double cell_m);
+  void set_precision(const Grid<float>& height_m, const Grid<float>& variance_m2, float base_m);
 
   MultigridShape shape_{4, 4};
   BlendOperator matrix_;
   BlendField prior_;
-  PaddedField precision_;
+  PaddedField precision_, root_;  ///< c, √c
+  double weight_ = 1.0;           ///< sum of c
   double unit_m_ = 1.0, level_m_ = 0.0, dimension_ = 2.5, smoothest_ = 2.5;
 };
 

@@ -47,6 +47,17 @@ void smooth_once(Grid<float>& grid, float side, Grid<float>& scratch) {
   }
 }
 
+SCREE_CLONES void law_row(const float* __restrict dimension, const float* __restrict amplitude, float log_cell,
+                          float log_unit, float* __restrict hurst, float* __restrict log_sigma, int n) {
+  for (int i = 0; i < n; ++i) {
+    const float h = 3.0F - std::min(std::max(dimension[i], 2.05F), 2.95F);
+    float log_amplitude;
+    fast_log<float, std::int32_t>(std::max(amplitude[i], 1e-12F), log_amplitude);
+    hurst[i] = h;
+    log_sigma[i] = log_amplitude + h * log_cell - log_unit;
+  }
+}
+
 }  // namespace
 
 void smooth_little(Grid<float>& grid, float variance, Grid<float>& scratch) {
@@ -60,16 +71,13 @@ void smooth_two(Grid<float>& grid, Grid<float>& scratch) {
 /// Row `row` of level 0, copies of the border beyond the window.
 void LawPyramid::load_row(const LawMap& law, const LatticeWindow& window, double unit_m, double cell_m, int row) {
   const int from = std::clamp(start_.y + row - window.min.y, 0, window.rows - 1);
-  const auto dimension = law.dimension.row(from), amplitude = law.amplitude_m.row(from);
+  const int before = window.min.x - start_.x, total = levels_[0].hurst.columns();
   float *log_sigma = levels_[0].log_sigma.row(row).data(), *hurst = levels_[0].hurst.row(row).data();
-  const auto log_cell = static_cast<float>(std::log(cell_m)), log_unit = static_cast<float>(std::log(unit_m));
-  for (int c = 0; c < levels_[0].hurst.columns(); ++c) {
-    const auto i = static_cast<std::size_t>(std::clamp(start_.x + c - window.min.x, 0, window.columns - 1));
-    const float h = 3.0F - std::clamp(dimension[i], 2.05F, 2.95F);
-    float log_amplitude;
-    fast_log<float, std::int32_t>(std::max(amplitude[i], 1e-12F), log_amplitude);
-    hurst[c] = h;
-    log_sigma[c] = log_amplitude + h * log_cell - log_unit;
+  law_row(law.dimension.row(from).data(), law.amplitude_m.row(from).data(), static_cast<float>(std::log(cell_m)),
+          static_cast<float>(std::log(unit_m)), hurst + before, log_sigma + before, window.columns);
+  for (float* values : {log_sigma, hurst}) {
+    std::fill_n(values, before, values[before]);
+    std::fill(values + before + window.columns, values + total, values[before + window.columns - 1]);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/simd.hpp"
 #include "fractal/reconstruction/stencil_rows.hpp"
 
 namespace scree::fractal {
@@ -28,21 +29,45 @@ struct Neighbourhood {
   Neighbour sides[4];
 
   Neighbourhood(const BlendField& p, int r, int c) {
-    const bool broken = p.broken();
     const float* w1[3] = {p.w1.reflected(r - 1), p.w1.row(r), p.w1.reflected(r + 1)};
     const float* w2[3] = {p.w2.reflected(r - 1), p.w2.row(r), p.w2.reflected(r + 1)};
-    sides[0] = {broken ? p.right.row(r)[c] : 1.0F, w1[1][c + 1], w2[1][c + 1]};
-    sides[1] = {broken ? p.right.row(r)[c - 1] : 1.0F, w1[1][c - 1], w2[1][c - 1]};
-    sides[2] = {broken ? p.down.row(r)[c] : 1.0F, w1[2][c], w2[2][c]};
-    sides[3] = {broken ? p.down.reflected(r - 1)[c] : 1.0F, w1[0][c], w2[0][c]};
+    sides[0] = {p.right.row(r)[c], w1[1][c + 1], w2[1][c + 1]};
+    sides[1] = {p.right.row(r)[c - 1], w1[1][c - 1], w2[1][c - 1]};
+    sides[2] = {p.down.row(r)[c], w1[2][c], w2[2][c]};
+    sides[3] = {p.down.reflected(r - 1)[c], w1[0][c], w2[0][c]};
   }
 };
 
-/// The same of a prior that varies.
-void varying_smoother(BlendOperator::Level& level) {
+/// The rows of a weight around a row.
+struct WeightRows {
+  const float *up, *mid, *down;
+  WeightRows(const PaddedField& w, int r) : up(w.reflected(r - 1)), mid(w.row(r)), down(w.reflected(r + 1)) {}
+};
+
+/// The same of weights of each cell, whole edges: d0 = 2 w1 + ½ Σ w1 + 16 w2 + Σ w2 over the neighbours.
+SCREE_CLONES void varying_row(const WeightRows& a, const WeightRows& b, const float* __restrict c,
+                              float* __restrict transfer, float* __restrict step, float* __restrict half, int n) {
+  for (int i = 0; i < n; ++i) {
+    const float w1 = a.mid[i], w2 = b.mid[i];
+    const float n1 = (a.mid[i - 1] + a.mid[i + 1]) + (a.up[i] + a.down[i]);
+    const float n2 = (b.mid[i - 1] + b.mid[i + 1]) + (b.up[i] + b.down[i]);
+    const float d0 = 2.0F * w1 + 0.5F * n1 + 16.0F * w2 + n2;
+    const float l1 = 4.0F * w1 + n1 + 32.0F * w2 + 8.0F * n2;
+    const float s = d0 / (d0 + c[i]);
+    transfer[i] = s;
+    step[i] = 4.0F / (3.0F * l1) * s;
+    half[i] = 0.5F * w1;
+  }
+}
+SCREE_CLONES void varying_diagonal_row(const WeightRows& a, float* __restrict c, int n) {
+  for (int i = 0; i < n; ++i)
+    c[i] -= 0.5F * (4.0F * a.mid[i] - ((a.mid[i - 1] + a.mid[i + 1]) + (a.up[i] + a.down[i])));
+}
+
+/// The same where edges may be broken.
+void broken_smoother(BlendOperator::Level& level) {
   const BlendField& prior = level.prior;
   const auto sum_of_edges = [&prior](int r, int c) {
-    if (!prior.broken()) return 4.0F;
     return (prior.right.row(r)[c] + prior.right.row(r)[c - 1]) +
            (prior.down.row(r)[c] + prior.down.reflected(r - 1)[c]);
   };
@@ -68,12 +93,24 @@ void varying_smoother(BlendOperator::Level& level) {
   }
 }
 
+void varying_smoother(BlendOperator::Level& level) {
+  if (level.prior.broken()) return broken_smoother(level);
+  for (int r = 0; r < level.diagonal.rows(); ++r)
+    varying_row({level.prior.w1, r}, {level.prior.w2, r}, level.diagonal.row(r), level.transfer.row(r),
+                level.step.row(r), level.half_w1.row(r), level.diagonal.columns());
+}
+
 /// Turns c in the diagonal into c − ½·L_e·w1.
 void varying_diagonal(BlendOperator::Level& level) {
+  const int columns = level.diagonal.columns();
   for (int r = 0; r < level.diagonal.rows(); ++r) {
     const float* w1 = level.prior.w1.row(r);
     float* c = level.diagonal.row(r);
-    for (int i = 0; i < level.diagonal.columns(); ++i)
+    if (!level.prior.broken()) {
+      varying_diagonal_row({level.prior.w1, r}, c, columns);
+      continue;
+    }
+    for (int i = 0; i < columns; ++i)
       for (const Neighbour& n : Neighbourhood(level.prior, r, i).sides) c[i] -= 0.5F * n.e * (w1[i] - n.w1);
   }
 }

@@ -1,5 +1,6 @@
 #include "fractal/reconstruction/octave_bands.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,10 +11,23 @@ namespace scree::fractal {
 namespace {
 
 constexpr double kReferenceHurst = 0.5;
-constexpr int kTableSide = 256;
 
 double frequency(int u, int side) {
   return 2.0 * std::numbers::pi * u / side;
+}
+
+/// Spectrum of fBm on the lattice, unit rms change over a cell: S0·Σ_m |k + 2πm|^−(2+2H), beyond the nearest waves as
+/// an integral.
+double lattice_spectrum(double hurst, double x, double y) {
+  constexpr int kNear = 3;
+  const double exponent = -1.0 - hurst, turn = 2.0 * std::numbers::pi;
+  double sum = 0.0;
+  for (int m = -kNear; m <= kNear; ++m)
+    for (int n = -kNear; n <= kNear; ++n)
+      sum += std::pow((x + turn * m) * (x + turn * m) + (y + turn * n) * (y + turn * n), exponent);
+  const double radius = turn * (2 * kNear + 1) / std::sqrt(std::numbers::pi);  // of the disc as large as the square
+  sum += turn / (turn * turn) * std::pow(radius, -2.0 * hurst) / (2.0 * hurst);
+  return turn * hurst * std::pow(4.0, hurst) * std::tgamma(1.0 + hurst) / std::tgamma(1.0 - hurst) * sum;
 }
 
 }  // namespace
@@ -60,41 +74,42 @@ const BandGains& BandGains::instance() {
   return gains;
 }
 
-BandGains::BandGains() : log_gain_{} {
-  const int n = kTableSide / 2 + 1;
-  const FbmEmbedding reference = make_embedding(kReferenceHurst, kTableSide);
-  for (int node = 0; node < kNodes; ++node) {
-    const double hurst = static_cast<double>(kFirst) + static_cast<double>(kStep) * node;
-    const FbmEmbedding other = make_embedding(hurst, kTableSide);
-    const double scale =
-        std::pow(other.unit_cells, 2.0 * hurst) / std::pow(reference.unit_cells, 2.0 * kReferenceHurst);
-    for (int band = 0; band < kTabulated; ++band) {
-      double sum = 0.0, count = 0.0;
-      for (int v = 0; v < n; ++v)
-        for (int u = 0; u < n; ++u) {
-          const double k = std::hypot(frequency(u, kTableSide), frequency(v, kTableSide));
-          const double away = k > 0.0 ? std::log2(k / OctaveBands::wavenumber(band)) : -1e9;
-          if (!(std::abs(away) < 0.25 || (band == 0 && away > 0.0))) continue;
-          const auto i = static_cast<std::size_t>(v) * static_cast<std::size_t>(n) + static_cast<std::size_t>(u);
-          // Frequencies within the quarter stand for four, those on its border for two.
-          const double times = (u % (n - 1) == 0 ? 1.0 : 2.0) * (v % (n - 1) == 0 ? 1.0 : 2.0);
-          sum += times * scale * std::max(other.eigenvalues[i], 0.0) / reference.eigenvalues[i];
-          count += times;
-        }
-      log_gain_[static_cast<std::size_t>(band)][static_cast<std::size_t>(node)] =
-          static_cast<float>(0.5 * std::log(sum / count));
+double BandGains::exact_log_gain(int band, double hurst) {
+  constexpr int kSteps = 48;  // along either axis of the first quadrant, to the band's own end
+  const double centre = OctaveBands::wavenumber(band);
+  const double end = band == 0 ? std::numbers::pi : std::min(std::numbers::pi, centre * std::exp2(0.25));
+  double sum = 0.0, count = 0.0;
+  for (int v = 0; v < kSteps; ++v)
+    for (int u = 0; u < kSteps; ++u) {
+      const double x = (u + 0.5) * end / kSteps, y = (v + 0.5) * end / kSteps;
+      const double away = std::log2(std::hypot(x, y) / centre);
+      if (!(std::abs(away) < 0.25 || (band == 0 && away > 0.0))) continue;
+      sum += lattice_spectrum(hurst, x, y) / lattice_spectrum(kReferenceHurst, x, y);
+      count += 1.0;
     }
+  return 0.5 * std::log(sum / count);
+}
+
+BandGains::BandGains() : polynomials_{} {
+  constexpr int kNodes = 19;
+  for (int band = 0; band < kTabulated; ++band) {
+    Eigen::Matrix<double, kNodes, kTerms> powers;
+    Eigen::Matrix<double, kNodes, 1> gains;
+    for (int node = 0; node < kNodes; ++node) {
+      const double hurst = 0.05 * (node + 1);
+      gains(node) = exact_log_gain(band, hurst) - 0.5 * std::log(2.0 * (1.0 - hurst));
+      for (int i = 0; i < kTerms; ++i) powers(node, i) = std::pow(hurst - 0.5, i);
+    }
+    const Eigen::Matrix<double, kTerms, 1> p = powers.colPivHouseholderQr().solve(gains);
+    for (int i = 0; i < kTerms; ++i)
+      polynomials_[static_cast<std::size_t>(band)][static_cast<std::size_t>(i)] = static_cast<float>(p(i));
   }
 }
 
-float BandGains::log_gain(int band, float hurst) const {
-  const float position = std::clamp((hurst - kFirst) / kStep, 0.0F, static_cast<float>(kNodes - 1));
-  const auto node = std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(kNodes - 2));
-  const float t = position - static_cast<float>(node);
-  const auto& row = log_gain_[static_cast<std::size_t>(std::min(band, kTabulated - 1))];
-  const float beyond = static_cast<float>(std::max(band - (kTabulated - 1), 0)) * std::numbers::ln2_v<float>;
-  const float clamped = kFirst + kStep * position;
-  return row[node] + t * (row[node + 1] - row[node]) + (clamped - 0.5F) * beyond;
+BandGains::Polynomial BandGains::log_gain(int band) const {
+  Polynomial p = polynomials_[static_cast<std::size_t>(std::min(band, kTabulated - 1))];
+  p[1] += static_cast<float>(std::max(band - (kTabulated - 1), 0)) * std::numbers::ln2_v<float>;
+  return p;
 }
 
 }  // namespace scree::fractal

@@ -49,15 +49,17 @@ class VaryingFields final : public ResidualFields {
   }
 
   void make(int k, PaddedField& u) const override {
-    std::vector<float> line;
-    for (int r = 0; r < grid_.rows; ++r) std::fill_n(u.row(r), grid_.columns, 0.0F);
-    for (int band = 0; band < bands_.bands(); ++band) {
-      const int every = OctaveBands::spacing(band);
-      const Grid<float> field = bands_.make(band, seed_, kSpectrumStream + static_cast<std::uint64_t>(k),
-                                            (grid_.rows - 1) / every + 2, (grid_.columns - 1) / every + 2);
-      for (int r = 0; r < grid_.rows; ++r)
-        amplitudes_.add_row(band, field, {0, 0}, {0, r}, grid_.columns, line, u.row(r));
-    }
+    BandAmplitudes::Scratch scratch;
+    Grid<float> band_field;
+    const auto make_band = [&](int band) -> const Grid<float>& {
+      const int every = OctaveBands::spacing(band), most = bands_.side() / every;
+      const auto points = [&](int cells) { return std::min((cells + bands_.coarsest()) / every + 1, most); };
+      band_field = {};
+      band_field = bands_.make(band, seed_, kSpectrumStream + static_cast<std::uint64_t>(k), points(grid_.rows),
+                               points(grid_.columns));
+      return band_field;
+    };
+    amplitudes_.make_field(make_band, {0, 0}, scratch, u);
   }
 
  private:
@@ -84,13 +86,12 @@ int residual_torus_side(double hurst, int rows, int columns, int gap_cells) {
   return std::min(exact, std::max(enough, smooth_even_size(kExactSide)));
 }
 
-std::unique_ptr<ResidualFields> one_law_fields(double hurst, int side, const SurfaceGrid& grid,
-                                                    std::uint64_t seed) {
+std::unique_ptr<ResidualFields> one_law_fields(double hurst, int side, const SurfaceGrid& grid, std::uint64_t seed) {
   return std::make_unique<OneLawFields>(hurst, side, grid, seed);
 }
 
 std::unique_ptr<ResidualFields> varying_fields(const LawMap& law, int side, int gap_cells, const SurfaceGrid& grid,
-                                                    std::uint64_t seed) {
+                                               std::uint64_t seed) {
   const int bands = bands_for(gap_cells), coarsest = OctaveBands::spacing(bands - 1);
   const int least = std::max(side, std::max(grid.rows, grid.columns) + 2 * coarsest);
   return std::make_unique<VaryingFields>(law, bands, smooth_even_size((least + coarsest - 1) / coarsest) * coarsest,

@@ -26,11 +26,10 @@ int residual_torus_side(double hurst, int rows, int columns, int gap_cells);
 inline constexpr int kExactSide = 2048;
 
 /// fBm of one law, exact up to half the side (a quarter for H > 0.75).
-std::unique_ptr<ResidualFields> one_law_fields(double hurst, int side, const SurfaceGrid& grid,
-                                                    std::uint64_t seed);
+std::unique_ptr<ResidualFields> one_law_fields(double hurst, int side, const SurfaceGrid& grid, std::uint64_t seed);
 
 /// Of a law that varies, by octave bands (octave_bands.hpp), the longest about four gaps and all beyond.
 std::unique_ptr<ResidualFields> varying_fields(const LawMap& law, int side, int gap_cells, const SurfaceGrid& grid,
-                                                    std::uint64_t seed);
+                                               std::uint64_t seed);
 
 }  // namespace scree::fractal

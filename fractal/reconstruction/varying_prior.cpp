@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
+
+#include "core/simd.hpp"
 
 namespace scree::fractal {
 namespace {
@@ -40,25 +43,40 @@ struct Blocks {
   Grid<float> w1, w2;
 };
 
+/// Where a cell lies between the middles of blocks.
+struct Place {
+  int below;
+  float share;
+};
+Place place_of(int cell, int blocks) {
+  const float position = (static_cast<float>(cell) + 0.5F) / kBlock - 0.5F;
+  const int below = std::clamp(static_cast<int>(std::floor(position)), 0, std::max(blocks - 2, 0));
+  return {below, std::clamp(position - static_cast<float>(below), 0.0F, 1.0F)};
+}
+
+SCREE_CLONES void blend(float share, const float* __restrict a, const float* __restrict b, float* __restrict out,
+                        int n) {
+  for (int i = 0; i < n; ++i) out[i] = a[i] + share * (b[i] - a[i]);
+}
+
+SCREE_CLONES void gather(const float* __restrict line, const Place* __restrict places, float* __restrict out, int n) {
+  for (int i = 0; i < n; ++i) {
+    const float left = line[places[i].below];
+    out[i] = left + places[i].share * (line[places[i].below + 1] - left);
+  }
+}
+
 void spread(const Grid<float>& blocks, CellIndex offset, PaddedField& out) {
-  constexpr float kPerCell = 1.0F / kBlock;
-  const auto place = [](int cell, int count) {
-    const float position = (static_cast<float>(cell) + 0.5F) * kPerCell - 0.5F;
-    const int below = std::clamp(static_cast<int>(std::floor(position)), 0, std::max(count - 2, 0));
-    return std::pair{below, std::clamp(position - static_cast<float>(below), 0.0F, 1.0F)};
-  };
-  std::vector<float> line(static_cast<std::size_t>(blocks.columns()));
+  std::vector<float> line(static_cast<std::size_t>(blocks.columns()) + 1);
+  std::vector<Place> places(static_cast<std::size_t>(out.columns()));
+  for (int c = 0; c < out.columns(); ++c)
+    places[static_cast<std::size_t>(c)] = place_of(c + offset.x, blocks.columns());
   for (int r = 0; r < out.rows(); ++r) {
-    const auto [j, t] = place(r + offset.y, blocks.rows());
-    const float* upper = blocks.row(j).data();
-    const float* lower = blocks.row(std::min(j + 1, blocks.rows() - 1)).data();
-    for (std::size_t i = 0; i < line.size(); ++i) line[i] = upper[i] + t * (lower[i] - upper[i]);
-    float* row = out.row(r);
-    for (int c = 0; c < out.columns(); ++c) {
-      const auto [i, s] = place(c + offset.x, blocks.columns());
-      const float left = line[static_cast<std::size_t>(i)];
-      row[c] = left + s * (line[static_cast<std::size_t>(std::min(i + 1, blocks.columns() - 1))] - left);
-    }
+    const auto [j, share] = place_of(r + offset.y, blocks.rows());
+    blend(share, blocks.row(j).data(), blocks.row(std::min(j + 1, blocks.rows() - 1)).data(), line.data(),
+          blocks.columns());
+    line.back() = line[line.size() - 2];
+    gather(line.data(), places.data(), out.row(r), out.columns());
   }
 }
 
