@@ -72,6 +72,13 @@ void synthetic_tables(const std::string& name, const Grounds& grounds) {
   errors_row("D^ − D* at the T found", [&](std::size_t c) {
     return [ratio = found[c]](const PapersGround& ground) { return relative(ground, ratio); };
   });
+  print_row("slope over lags 1–2 there, draw − ground", kColumns, [&](std::size_t c) {
+    Errors errors;
+    for (const PapersGround& ground : grounds[c])
+      errors.add(increment_slope(papers_surface(ground, relative(ground, found[c])), 1, 2) -
+                 increment_slope(ground.truth, 1, 2));
+    return with_sign(errors.mean(), 3);
+  });
   errors_row("D^ − D*, `--temperature empirical`",
              [](std::size_t) { return [](const PapersGround&) { return kEmpirical; }; });
 
