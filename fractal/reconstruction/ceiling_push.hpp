@@ -31,6 +31,8 @@ class CeilingPush {
              const Grid<float>& ceiling, const Grid<float>& change, double tolerance, int max_iterations,
              PaddedField& sample);
 
+  /// What the last apply() added; zero where it returned false.
+  const PaddedField& delta() const { return delta_; }
   int iterations() const { return iterations_; }  ///< of all solves
 
  private:

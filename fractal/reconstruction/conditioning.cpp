@@ -86,6 +86,7 @@ bool Conditioning::load(const Grid<float>& height_m, const Grid<float>& variance
   const auto [measured, base_m] = known_heights(height_m);
   if (measured == 0) return false;
   const double spacing = std::sqrt(static_cast<double>(height_m.size()) / static_cast<double>(measured));
+  prior_.right = prior_.down = PaddedField();
   if (law.varies()) {
     smoothest_ =
         varying_prior(law, {min, height_m.rows(), height_m.columns()}, {unit_m_, cell_m, spacing}, shape_, prior_);
@@ -97,6 +98,12 @@ bool Conditioning::load(const Grid<float>& height_m, const Grid<float>& variance
   set_precision(height_m, variance_m2, base_m);
   matrix_.set_up(shape_, prior_, precision_);
   return true;
+}
+
+void Conditioning::set_edges(const BlendField& prior) {
+  prior_.right = prior.right;
+  prior_.down = prior.down;
+  matrix_.set_up(shape_, prior_, precision_);
 }
 
 void Conditioning::mean_problem(const Grid<float>& height_m, PaddedField& b) const {

@@ -20,6 +20,10 @@ class Conditioning {
 
   const MultigridShape& shape() const { return shape_; }
   const BlendOperator& matrix() const { return matrix_; }
+  const BlendField& prior() const { return prior_; }
+  const PaddedField& precisions() const { return precision_; }
+  /// Takes over the edges of `prior`: what is solved for from now on may break there.
+  void set_edges(const BlendField& prior);
   double unit_m() const { return unit_m_; }
   double level_m() const { return level_m_; }
   double dimension() const { return dimension_; }

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <algorithm>
+#include <cassert>
 
 #include "core/simd.hpp"
 #include "fractal/lanes.hpp"
@@ -9,26 +11,25 @@
 namespace scree::fractal {
 namespace {
 
-/// Σ w·a·b; null stands for ones.
-SCREE_CLONES double weighted_dot(const float* w, const float* a, const float* b, int n) {
-  Lanes total = {};
+/// Four sums side by side: one would wait for itself.
+SCREE_CLONES double dot(const float* a, const float* b, int n) {
+  Lanes totals[4] = {};
   int i = 0;
-  for (; i + 8 <= n; i += 8) {
-    Lanes x, y;
-    std::memcpy(&x, w + i, sizeof x);
-    if (a != nullptr) {
-      std::memcpy(&y, a + i, sizeof y);
-      x *= y;
+  for (; i + 32 <= n; i += 32)
+    for (int k = 0; k < 4; ++k) {
+      Lanes x, y;
+      std::memcpy(&x, a + i + 8 * k, sizeof x);
+      std::memcpy(&y, b + i + 8 * k, sizeof y);
+      totals[k] += x * y;
     }
-    if (b != nullptr) {
-      std::memcpy(&y, b + i, sizeof y);
-      x *= y;
-    }
-    total += x;
-  }
   double rest = 0.0;
-  for (; i < n; ++i) rest += static_cast<double>(w[i] * (a != nullptr ? a[i] : 1.0F) * (b != nullptr ? b[i] : 1.0F));
+  for (; i < n; ++i) rest += static_cast<double>(a[i] * b[i]);
+  const Lanes total = (totals[0] + totals[1]) + (totals[2] + totals[3]);
   return static_cast<double>(sum(total)) + rest;
+}
+
+SCREE_CLONES void multiply(const float* __restrict a, const float* __restrict b, float* __restrict out, int n) {
+  for (int i = 0; i < n; ++i) out[i] = a[i] * b[i];
 }
 
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, LogRegression::kMaxTerms,
@@ -44,13 +45,17 @@ void LogRegression::resize(int rows, int terms) {
 
 void LogRegression::add_row(int row, const std::array<const float*, kMaxTerms - 1>& x, const float* y,
                             const float* weight, int n) {
-  std::array<const float*, kColumns> column = {nullptr};
+  assert(n <= kMost);
+  alignas(64) std::array<float, kMost> ones, weighted;
+  std::fill_n(ones.data(), n, 1.0F);
+  std::array<const float*, kColumns> column = {ones.data()};
   for (int j = 1; j < terms_; ++j) column[static_cast<std::size_t>(j)] = x[static_cast<std::size_t>(j - 1)];
   column[static_cast<std::size_t>(terms_)] = y;
-  for (int i = 0; i < terms_; ++i)
+  for (int i = 0; i < terms_; ++i) {
+    multiply(weight, column[static_cast<std::size_t>(i)], weighted.data(), n);
     for (int j = i; j <= terms_; ++j)
-      sums_(row, i * kColumns + j) +=
-          weighted_dot(weight, column[static_cast<std::size_t>(i)], column[static_cast<std::size_t>(j)], n);
+      sums_(row, i * kColumns + j) += dot(weighted.data(), column[static_cast<std::size_t>(j)], n);
+  }
 }
 
 LogRegression::Coefficients LogRegression::fit(const Coefficients& expected, double ridge) const {

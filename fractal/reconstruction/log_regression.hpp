@@ -14,12 +14,13 @@ namespace scree::fractal {
 class LogRegression {
  public:
   static constexpr int kMaxTerms = 8;
+  static constexpr int kMost = 256;  ///< observations added at once
   using Coefficients = std::array<double, kMaxTerms>;
 
   /// Forgets all rows.
   void resize(int rows, int terms);
-  /// Adds to a row's sums. `x`: terms − 1 arrays (the 1 is implied), `y`, and `weight` (0 or 1), of n values. Safe for
-  /// different rows at once.
+  /// Adds to a row's sums. `x`: terms − 1 arrays (the 1 is implied), `y`, and `weight` (0 or 1), of n ≤ kMost values.
+  /// Safe for different rows at once.
   void add_row(int row, const std::array<const float*, kMaxTerms - 1>& x, const float* y, const float* weight, int n);
   /// Unused coefficients are 0. With no observation the intercept is 0.
   Coefficients fit(const Coefficients& expected, double ridge) const;

@@ -8,6 +8,7 @@
 
 #include "fractal/reconstruction/blend_fit.hpp"
 #include "fractal/reconstruction/box_cascade.hpp"
+#include "fractal/reconstruction/varying_prior.hpp"
 
 namespace scree::fractal {
 namespace {
@@ -30,7 +31,6 @@ struct Datum {
   int row, column;
   double height;     // from the data's mean, in units of the middle law
   double allowance;  // s, in the same unit
-  double scale;      // the local change over a cell in that unit
   double weight = 1.0;
 };
 
@@ -41,7 +41,7 @@ std::vector<Datum> allow(const CellSamples& samples, double cell_m, const LawMap
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c)
       if (std::isfinite(samples.height_m(r, c))) {
-        data.push_back({r, c, static_cast<double>(samples.height_m(r, c)), 0.0, 1.0});
+        data.push_back({r, c, static_cast<double>(samples.height_m(r, c)), 0.0});
         sum += data.back().height;
       }
   BoxCascade density;
@@ -61,7 +61,6 @@ std::vector<Datum> allow(const CellSamples& samples, double cell_m, const LawMap
     const double own = static_cast<double>(samples.variance_m2(datum.row, datum.column));
     datum.height = (datum.height - sum / static_cast<double>(data.size())) / unit;
     datum.allowance = std::sqrt(own + ground_share * predicted_share(here.dimension) * ground * ground) / unit;
-    datum.scale = here.rms_change_m(cell_m) / unit;
   }
   return data;
 }
@@ -109,10 +108,13 @@ OutlierReport find_outliers(const CellSamples& samples, double cell_m, const Law
   const double dimension = std::clamp(law.law.dimension, 2.05, 2.95);
   BlendFit fit(rows, columns);
   fit.prior().uniform = blend_weights(dimension, blend_wavenumber(dimension, spacing));
+  if (law.varies())
+    varying_prior(law, {{0, 0}, rows, columns}, {law.law.rms_change_m(cell_m), cell_m, spacing}, fit.shape(),
+                  fit.prior());
   const auto solve = [&] {
     for (const Datum& d : data)
       fit.set_datum(d.row, d.column, static_cast<float>(d.height),
-                    static_cast<float>(d.weight * d.scale * d.scale / (d.allowance * d.allowance)));
+                    static_cast<float>(d.weight / (d.allowance * d.allowance)));
     fit.solve(kTolerance);
   };
   for (int step = 0; step < options.steps; ++step) {

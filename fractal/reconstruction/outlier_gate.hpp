@@ -33,8 +33,8 @@ struct OutlierReport {
 /// (ν + 1)/(ν + r²/s²), r its residual, `steps` times over [LLT89]. Rejected is |r| > limit·s,
 /// unless two of the eight nearest data go with it: they differ from it by at most 2 standard deviations of the ground
 /// over that distance, and by less than a third of what the fit does. So cliffs and rocks stay (all but 3–8 % of the
-/// data within four cells of such an edge), and outliers that come in groups stay too. Where the law varies the
-/// operator is that of the middle one, the data's s² and weights are local. Cost: steps + 1 warm solves; serial.
+/// data within four cells of such an edge), and outliers that come in groups stay too. The law may vary. Cost: steps +
+/// 1 warm solves; serial.
 OutlierReport find_outliers(const CellSamples& samples, double cell_m, const LawMap& law,
                             const OutlierOptions& options = {});
 

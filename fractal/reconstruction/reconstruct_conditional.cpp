@@ -3,22 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <memory>
+#include <utility>
 
-#include "core/random.hpp"
-#include "fractal/reconstruction/conditioning.hpp"
-#include "fractal/reconstruction/data_gaps.hpp"
+#include "fractal/reconstruction/conditional_run.hpp"
 #include "fractal/reconstruction/distance_transform.hpp"
-#include "fractal/reconstruction/sd_map.hpp"
-#include "fractal/reconstruction/surface_checks.hpp"
+#include "fractal/reconstruction/multigrid.hpp"
+#include "fractal/reconstruction/outlier_gate.hpp"
 #include "fractal/reconstruction/residual_fields.hpp"
+#include "fractal/reconstruction/surface_checks.hpp"
 
 namespace scree::fractal {
 namespace {
-
-constexpr std::uint64_t kNoiseStream = 0x636f6e642d6e00;   // "cond-n", field k in the last byte and beyond
-constexpr std::size_t kSideBySide = std::size_t{1} << 20;  // cells: up to here several fields are solved for at once
-constexpr int kTogether = 4;
 
 Status check(const CellSamples& samples, const SurfaceRequest& request, const ConditionalOptions& options) {
   if (Status status = check_surface("conditional", samples, request); !status) return status;
@@ -29,6 +24,11 @@ Status check(const CellSamples& samples, const SurfaceRequest& request, const Co
   if (std::max(grid.rows, grid.columns) > DistanceTransform::kMaxSide)
     return Error{ErrorKind::usage, fmt::format("conditional: expected at most {} cells a side, found {} x {}",
                                                DistanceTransform::kMaxSide, grid.rows, grid.columns)};
+  if (!options.ceiling_m.empty() &&
+      (options.ceiling_m.rows() != grid.rows || options.ceiling_m.columns() != grid.columns))
+    return Error{ErrorKind::usage,
+                 fmt::format("conditional: expected a ceiling for each of {} x {} cells or none, found {} x {}",
+                             grid.rows, grid.columns, options.ceiling_m.rows(), options.ceiling_m.columns())};
   const LawMap& law = request.law;
   if (!law.varies()) return {};
   for (const Grid<float>* map : {&law.dimension, &law.amplitude_m})
@@ -46,135 +46,27 @@ Status check(const CellSamples& samples, const SurfaceRequest& request, const Co
   return {};
 }
 
-/// One field from nothing to residual.
-struct FieldSolve {
-  PaddedField u, b, x;
-  BlendSolver solver;
-  SolveReport report;
-
-  void run(const Conditioning& problem, const ResidualFields& fields, int k, const SurfaceRequest& request,
-           const ConditionalOptions& options) {
-    const MultigridShape& shape = problem.shape();
-    for (PaddedField* field : {&u, &b, &x}) field->resize(shape.rows, shape.columns);
-    fields.make(k, u);
-    for (int r = 0; r < request.grid.rows; ++r)
-      for (int c = 0; c < request.grid.columns; ++c)
-        if (problem.precision(r)[c] > 0.0F)
-          b.row(r)[c] =
-              static_cast<float>(random_normals(request.seed, kNoiseStream + static_cast<std::uint64_t>(k), c, r)[0]);
-    problem.residual_problem(u, b);
-    report = solver.solve(problem.matrix(), b, problem.tolerance(options.tolerance), options.max_iterations, x);
-  }
-};
-
-class Reconstructing {
- public:
-  Reconstructing(const CellSamples& samples, const SurfaceRequest& request, const ConditionalOptions& options)
-      : samples_(samples),
-        request_(request),
-        options_(options),
-        fields_(std::max(options.residual_fields, request.draws)) {}
-
-  SurfaceEstimate run(Executor& executor) {
-    const auto [rows, columns] = std::pair{request_.grid.rows, request_.grid.columns};
-    {
-      Conditioning problem;
-      problem.load(samples_.height_m, samples_.variance_m2, request_.law, {0, 0}, request_.grid.cell_m);
-      solve_mean(problem);
-      square_.assign(rows, columns, 0.0F);
-      solve_fields(problem, executor);
-    }
-    for (float& v : square_) v /= static_cast<float>(fields_);
-    SdMap sd;
-    sd.estimate(square_, fields_, samples_.variance_m2, request_.law, request_.grid.cell_m, executor, out_.sd_m);
-    progress(fields_ + 2);
-    return std::move(out_);
-  }
-
- private:
-  void progress(int done) const {
-    if (request_.on_progress) request_.on_progress(static_cast<double>(done) / (fields_ + 2));
-  }
-  void count(const SolveReport& report) {
-    out_.iterations += report.iterations;
-    out_.converged = out_.converged && report.converged;
-  }
-
-  void solve_mean(const Conditioning& problem) {
-    BlendSolver solver;
-    PaddedField b, x;
-    problem.mean_problem(samples_.height_m, b);
-    x.resize(b.rows(), b.columns());
-    count(solver.solve(problem.matrix(), b, problem.tolerance(options_.tolerance), options_.max_iterations, x));
-    out_.mean_m.assign(request_.grid.rows, request_.grid.columns, 0.0F);
-    const auto unit = static_cast<float>(problem.unit_m()), level = static_cast<float>(problem.level_m());
-    for (int r = 0; r < out_.mean_m.rows(); ++r)
-      for (int c = 0; c < out_.mean_m.columns(); ++c) out_.mean_m(r, c) = level + unit * x.row(r)[c];
-    progress(1);
-  }
-
-  /// A law that varies has no waves longer than its bands: H = ½ and its smaller torus do.
-  std::unique_ptr<ResidualFields> residual_fields_of(const Conditioning& problem) const {
-    const SurfaceGrid& grid = request_.grid;
-    const int gap = widest_gap_cells(samples_.height_m);
-    const double hurst = request_.law.varies() ? 0.5 : 3.0 - problem.dimension();
-    const int side = residual_torus_side(hurst, grid.rows, grid.columns, gap);
-    return request_.law.varies() ? varying_fields(request_.law, side, gap, grid, request_.seed)
-                                 : one_law_fields(hurst, side, grid, request_.seed);
-  }
-
-  void solve_fields(const Conditioning& problem, Executor& executor) {
-    const auto unconditional = residual_fields_of(problem);
-    const int together = samples_.height_m.size() > kSideBySide ? 1 : kTogether;
-    std::vector<FieldSolve> solves(static_cast<std::size_t>(std::min(together, fields_)));
-    for (int first = 0; first < fields_; first += together) {
-      const int n = std::min(together, fields_ - first);
-      executor.for_ranges(n, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i)
-          solves[static_cast<std::size_t>(i)].run(problem, *unconditional, first + i, request_, options_);
-      });
-      for (int i = 0; i < n; ++i) take(problem, solves[static_cast<std::size_t>(i)], first + i);
-      progress(1 + first + n);
-    }
-  }
-
-  void take(const Conditioning& problem, const FieldSolve& solve, int k) {
-    count(solve.report);
-    const auto unit = static_cast<float>(problem.unit_m());
-    const bool draw = k < request_.draws && request_.on_draw;
-    if (draw) draw_.assign(square_.rows(), square_.columns(), 0.0F);
-    for (int r = 0; r < square_.rows(); ++r) {
-      const float *u = solve.u.row(r), *e = solve.x.row(r);
-      for (int c = 0; c < square_.columns(); ++c) {
-        const float residual = unit * (u[c] - e[c]);
-        square_(r, c) += residual * residual;
-        if (draw) draw_(r, c) = out_.mean_m(r, c) + residual;
-      }
-    }
-    if (draw) request_.on_draw(k, draw_);
-  }
-
-  const CellSamples& samples_;
-  const SurfaceRequest& request_;
-  const ConditionalOptions& options_;
-  int fields_;
-  Grid<float> square_, draw_;
-  SurfaceEstimate out_;
-};
-
 }  // namespace
 
 Result<SurfaceEstimate> reconstruct_conditional(const CellSamples& samples, const SurfaceRequest& request,
                                                 const ConditionalOptions& options, Executor& executor) {
   if (Status status = check(samples, request, options); !status) return status.error();
-  return Reconstructing(samples, request, options).run(executor);
+  if (!options.gate_outliers) return ConditionalRun(samples, request, options).run(executor);
+  OutlierReport report = find_outliers(samples, request.grid.cell_m, request.law);
+  if (report.count == 0) return ConditionalRun(samples, request, options).run(executor);
+  const CellSamples left = without_outliers(samples, report);
+  SurfaceEstimate estimate = ConditionalRun(left, request, options).run(executor);
+  estimate.rejected = std::move(report.rejected);
+  estimate.rejected_cells = report.count;
+  estimate.iterations += report.iterations;
+  return estimate;
 }
 
 std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies) {
   const MultigridShape shape(rows, columns);
   const auto cells = static_cast<double>(shape.rows) * shape.columns;
   const double side = residual_torus_side(0.95, shape.rows, shape.columns, std::max(shape.rows, shape.columns) / 32);
-  const double together = cells > static_cast<double>(kSideBySide) ? 1.0 : kTogether;
+  const double together = cells > static_cast<double>(ConditionalRun::kSideBySide) ? 1.0 : ConditionalRun::kTogether;
   const double levels = 4.0 / 3.0;
   const double held = 10.0 + 4.0 * 4.0 + (law_varies ? 8.0 : 0.0);  // samples; mean, squares, draw, sd; law
   const double matrix = 4.0 + 8.0 * levels + (law_varies ? 8.0 + 16.0 * levels : 0.0);

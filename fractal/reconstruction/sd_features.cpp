@@ -22,6 +22,27 @@ SCREE_CLONES void log_of(const float* x, float factor, float lowest, float* out,
   }
 }
 
+/// 1 where there is a variance; returns how many.
+SCREE_CLONES int mark_row(const float* __restrict variance, std::uint8_t* __restrict measured, int n) {
+  int count = 0;
+  for (int i = 0; i < n; ++i) {
+    const int is = variance[i] > 0.0F ? 1 : 0;  // not a NaN
+    measured[i] = static_cast<std::uint8_t>(is);
+    count += is;
+  }
+  return count;
+}
+
+SCREE_CLONES void to_float(const std::uint8_t* __restrict from, float* __restrict to, int n) {
+  for (int i = 0; i < n; ++i) to[i] = static_cast<float>(from[i]);
+}
+
+/// Mean of what is around, without what the cell itself adds.
+SCREE_CLONES void without_own(const float* __restrict smoothed, const std::uint8_t* __restrict measured, float own,
+                              const float* __restrict inside, float* __restrict out, int n) {
+  for (int i = 0; i < n; ++i) out[i] = (smoothed[i] - own * static_cast<float>(measured[i])) / inside[i];
+}
+
 /// Distances of unmeasured cells; of measured ones the distance that the density lets expect without them.
 SCREE_CLONES void log_distances(const std::int32_t* __restrict squared, const float* __restrict log_rho,
                                 float* __restrict out, int n) {
@@ -47,10 +68,7 @@ void SdFeatures::measure(const Grid<float>& variance_m2, Executor& executor) {
     for (Grid<float>* grid : {&log_d_, &log_rho_}) grid->assign(rows, columns, 0.0F);
   }
   int count = 0;
-  for (std::size_t i = 0; i < variance_m2.size(); ++i) {
-    measured_[i] = variance_m2[i] > 0.0F ? 1 : 0;
-    count += measured_[i];
-  }
+  for (int r = 0; r < rows; ++r) count += mark_row(variance_m2.row(r).data(), measured_.row(r).data(), columns);
   measured_cells_ = count;
   spacing_cells_ = std::sqrt(static_cast<double>(variance_m2.size()) / std::max(measured_cells_, 1.0));
   if (count == 0) return;
@@ -61,7 +79,7 @@ void SdFeatures::measure(const Grid<float>& variance_m2, Executor& executor) {
 void SdFeatures::measure_density(Executor& executor) {
   const int rows = measured_.rows(), columns = measured_.columns();
   density_.resize(rows, columns, std::min(BoxCascade::radius_of(kDensityReach * spacing_cells_), kMaxRadius));
-  for (int r = 0; r < rows; ++r) std::copy_n(measured_.row(r).begin(), columns, density_.row(r).begin());
+  for (int r = 0; r < rows; ++r) to_float(measured_.row(r).data(), density_.row(r).data(), columns);
   density_.smooth();
   const auto least = static_cast<float>(kLeastDensity / (spacing_cells_ * spacing_cells_));
   const auto logs = [&](int begin, int end) {
@@ -69,9 +87,7 @@ void SdFeatures::measure_density(Executor& executor) {
       const auto inside = density_.weight_of_columns();
       const float own = density_.own_weight();
       float* rho = log_rho_.row(r).data();
-      for (int c = 0; c < columns; ++c)
-        rho[c] = (density_.smoothed(r)[static_cast<std::size_t>(c)] - own * static_cast<float>(measured_(r, c))) /
-                 inside[static_cast<std::size_t>(c)];
+      without_own(density_.smoothed(r).data(), measured_.row(r).data(), own, inside.data(), rho, columns);
       log_of(rho, 1.0F / density_.weight_of_row(r), least, rho, columns);
       log_distances(squared_.row(r).data(), rho, log_d_.row(r).data(), columns);
     }

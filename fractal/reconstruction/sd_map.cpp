@@ -7,8 +7,7 @@
 #include <functional>
 #include <limits>
 
-#include "core/simd.hpp"
-#include "fractal/lanes.hpp"
+#include "fractal/reconstruction/sd_rows.hpp"
 
 namespace scree::fractal {
 namespace {
@@ -18,34 +17,6 @@ constexpr double kRatioReach = 2.0;  // sd of the smoothing over the spacing of 
 constexpr int kMaxRadius = 64;
 constexpr double kRidge = 20.0;
 constexpr double kFewCells = 32.0;
-constexpr float kTiny = 1e-30F;
-
-SCREE_CLONES void log_of(const float* __restrict x, float* __restrict out, int n) {
-  for (int i = 0; i < n; ++i) {
-    float log;
-    fast_log<float, std::int32_t>(x[i] > kTiny ? x[i] : kTiny, log);
-    out[i] = log;
-  }
-}
-
-SCREE_CLONES void add_scaled(const float* __restrict a, float factor, float* __restrict out, int n) {
-  for (int i = 0; i < n; ++i) out[i] += factor * a[i];
-}
-
-SCREE_CLONES void exp_in_place(float* x, int n) {
-  for (int i = 0; i < n; ++i) x[i] = fast_exp(std::min(std::max(x[i], -80.0F), 80.0F));
-}
-
-/// `variance` > 0: of a datum in the cell.
-SCREE_CLONES void write_row(const float* __restrict variance, const float* __restrict alone, float* __restrict sd,
-                            int n) {
-  for (int i = 0; i < n; ++i) {
-    const float inverse = 1.0F / alone[i] + (variance[i] > 0.0F ? 1.0F / variance[i] : 0.0F);
-    float log;
-    fast_log<float, std::int32_t>(inverse, log);
-    sd[i] = fast_exp(-0.5F * log);  // a square root would call for errno and stay scalar
-  }
-}
 
 }  // namespace
 
@@ -59,10 +30,9 @@ void SdMap::fit(const Grid<float>& mean_square_m2, const LawMap& law, double cel
     for (int r = first; r < last; ++r)
       for (int begin = 0; begin < columns; begin += kBlock) {
         features_.load(r, begin, law, cell_m, block);
-        log_of(mean_square_m2.row(r).data() + begin, y.data(), block.n);
-        add_scaled(block.log_unit2.data(), -1.0F, y.data(), block.n);
-        for (int i = 0; i < block.n; ++i)
-          weight[static_cast<std::size_t>(i)] = measured(r, begin + i) != 0 ? 0.0F : 1.0F;
+        sd_rows::log_of(mean_square_m2.row(r).data() + begin, y.data(), block.n);
+        sd_rows::add_scaled(block.log_unit2.data(), -1.0F, y.data(), block.n);
+        sd_rows::weigh(measured.row(r).data() + begin, weight.data(), block.n);
         std::array<const float*, LogRegression::kMaxTerms - 1> x = {};
         for (std::size_t j = 0; j < x.size(); ++j) x[j] = block.x[j].data();
         regression_.add_row(r, x, y.data(), weight.data(), block.n);
@@ -119,14 +89,11 @@ void SdMap::predict(const Grid<float>& mean_square_m2, const LawMap& law, double
         for (int i = 0; i < block.n; ++i)
           model[i] = static_cast<float>(coefficients_[0]) + block.log_unit2[static_cast<std::size_t>(i)];
         for (std::size_t j = 1; j < static_cast<std::size_t>(block.terms); ++j)
-          add_scaled(block.x[j - 1].data(), static_cast<float>(coefficients_[j]), model, block.n);
-        exp_in_place(model, block.n);
-        const auto ratio = ratio_.row(r).subspan(static_cast<std::size_t>(begin));
-        for (int i = 0; i < block.n; ++i) {
-          const float q = measured(r, begin + i) != 0 ? 0.0F : mean_square_m2(r, begin + i) / model[i];
-          ratio[static_cast<std::size_t>(i)] = q;
-          sum += static_cast<double>(q);
-        }
+          sd_rows::add_scaled(block.x[j - 1].data(), static_cast<float>(coefficients_[j]), model, block.n);
+        sd_rows::exp_in_place(model, block.n);
+        float* ratio = ratio_.row(r).data() + begin;
+        sd_rows::ratio_row(measured.row(r).data() + begin, mean_square_m2.row(r).data() + begin, model, ratio, block.n);
+        for (int i = 0; i < block.n; ++i) sum += static_cast<double>(ratio[i]);
       }
       row_ratio_[static_cast<std::size_t>(r)] = sum;
     }
@@ -153,10 +120,8 @@ void SdMap::correct(int fields, Executor& executor) {
   const float share = 1.0F / (1.0F + 8.0F / static_cast<float>(fields));
   const auto pass = [&](int first, int last) {
     for (int r = first; r < last; ++r) {
-      float* model = model_m2_.row(r).data();
-      const float *ratio = ratio_.smoothed(r).data(), *inside = ratio_.weight_of_columns().data();
-      const float down = 1.0F / ratio_.weight_of_row(r);
-      for (int i = 0; i < columns; ++i) model[i] *= mean + share * (down * ratio[i] / inside[i] - mean);
+      sd_rows::correct_row(ratio_.smoothed(r).data(), ratio_.weight_of_columns().data(), ratio_.weight_of_row(r), mean,
+                           share, model_m2_.row(r).data(), columns);
     }
   };
   executor.for_ranges(model_m2_.rows(), std::ref(pass));
@@ -168,7 +133,7 @@ void SdMap::inflate(const Grid<float>& factor, const Grid<float>& variance_m2, G
   std::vector<float> alone(static_cast<std::size_t>(factor.columns()));
   for (int r = 0; r < factor.rows(); ++r) {
     for (int c = 0; c < factor.columns(); ++c) alone[static_cast<std::size_t>(c)] = model_m2_(r, c) * factor(r, c);
-    write_row(variance_m2.row(r).data(), alone.data(), sd_m.row(r).data(), factor.columns());
+    sd_rows::write_row(variance_m2.row(r).data(), alone.data(), sd_m.row(r).data(), factor.columns());
   }
 }
 
@@ -193,7 +158,7 @@ void SdMap::estimate(const Grid<float>& mean_square_m2, int fields, const Grid<f
   correct(fields, executor);
   const auto write = [&](int first, int last) {
     for (int r = first; r < last; ++r)
-      write_row(variance_m2.row(r).data(), model_m2_.row(r).data(), sd_m.row(r).data(), columns);
+      sd_rows::write_row(variance_m2.row(r).data(), model_m2_.row(r).data(), sd_m.row(r).data(), columns);
   };
   executor.for_ranges(rows, std::ref(write));
 }

@@ -1,6 +1,7 @@
 #pragma once
 // What every reconstruction is given and what it gives back.
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -54,6 +55,8 @@ struct SurfaceEstimate {
   Grid<float> sd_m;    ///< what the method itself says of its error; all NaN for a method without one
   int iterations = 0;  ///< of the method's own kind: cycles, sweeps, insertions
   bool converged = true;
+  Grid<std::uint8_t> rejected = {};  ///< 1 = a datum that the method took for no ground and left out; empty if none
+  std::size_t rejected_cells = 0;    ///< how many
 };
 
 }  // namespace scree::fractal
