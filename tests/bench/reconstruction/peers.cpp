@@ -131,7 +131,7 @@ void peers_section() {
   print_text(
       fmt::format("One surface a D, {0} x {0} cells, {1:.0f} % of them known: seconds / RMSE in changes over a "
                   "cell / D less the truth's / rms change over a cell over the truth's. Ours: mean, sd from 8 "
-                  "fields and one draw together, one core. Theirs: the method alone, as they run by default.\n",
+                  "fields and one draw together, one core. Theirs: the method alone, set as tests/bench/peers says.\n",
                   kSide, 100.0 * kShare));
   print_head("", kDimensions);
   for (const PeerRow& row : rows)
