@@ -13,6 +13,7 @@
 namespace scree::fractal {
 namespace {
 
+constexpr double kLeastTemperature = 1e-6;                // beyond, float sweeps see either the prior or the data alone
 constexpr std::uint64_t kGibbsSeed = 0x737a656c69736b69;  // "szeliski"
 
 struct Run {
@@ -82,6 +83,11 @@ Result<SurfaceEstimate> reconstruct_szeliski(const CellSamples& samples, const S
   const FractalLaw& law = request.law.law;
   const double temperature = relative_temperature(options.temperature, law, request.grid.cell_m);
   const bool cold = temperature <= 0.0;
+  if (!cold && !(temperature >= kLeastTemperature && temperature <= 1.0 / kLeastTemperature))
+    return Error{ErrorKind::usage,
+                 fmt::format("szeliski: expected a temperature of 0 or from {:g} to {:g} times the squared change over "
+                             "one cell, found {:g} times",
+                             kLeastTemperature, 1.0 / kLeastTemperature, temperature)};
   // Relaxation needs the balance of prior and data, though not its noise: that of the closed form.
   const RelativePyramid pyramid = make_pyramid(samples, law, request.grid.cell_m,
                                                cold ? relative_temperature({}, law, request.grid.cell_m) : temperature);

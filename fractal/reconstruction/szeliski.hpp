@@ -22,9 +22,11 @@ struct SzeliskiOptions {
 ///
 /// mean_m: the relaxation; it is the expectation of the draws after the same number of sweeps. draws: Gibbs samples.
 /// sd_m: spread of max(draws, 8) of them; NaN at T = 0, where all draws are the mean. iterations: sweeps of one surface
-/// over all levels. One law: a varying one is refused. Errors: those of check_surface; usage (sweeps < 1).
+/// over all levels. One law: a varying one is refused. Errors: those of check_surface; usage (sweeps < 1, a
+/// temperature beyond a millionth or a million of the squared change over one cell).
 /// What is between the levels' frozen choices and a sample of the posterior stays between them however many sweeps
-/// there are: docs/reconstruction.md. Cost: sweeps · 1.33 cells · (draws + 1). Sources: [AK96] sections 3.2–3.4,
+/// there are: docs/reconstruction.md. Cost: sweeps · 1.33 cells · (draws + 1), 18 ns each (tuned 2.5).
+/// Memory: 40 bytes a cell and 20 for each draw that is made at once (4 at most). Sources: [AK96] sections 3.2–3.4,
 /// [Sz89].
 Result<SurfaceEstimate> reconstruct_szeliski(const CellSamples& samples, const SurfaceRequest& request,
                                              const SzeliskiOptions& options, Executor& executor);
