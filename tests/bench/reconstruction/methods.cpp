@@ -104,22 +104,7 @@ std::vector<Method> all_methods() {
 
 using Row = std::array<MethodScore, kDimensions.size()>;
 
-}  // namespace
-
-void methods_section() {
-  const int count = surfaces(6);
-  print_text(fmt::format(R"(
-## Methods on the same ground
-
-256 × 256 cells of exact surfaces, 5 % of them measured at random with a noise variance of 1e-3 of the squared change
-over one cell, {} surfaces a D; `yokoya` has every 4th row and column of the same ground (6.25 %). The inner 224 × 224
-cells are judged, those without a datum; errors in units of the change over one cell. D^ is Yokoya's over lags 1 … 16,
-the slope that of rms increments over lags 1–2. Spreads of the papers' methods are those of their own 8 realisations,
-with Student's quantile; a method without a spread has its mean absolute error as CRPS. Kriging's sd in 2 % of the
-cells. Times: CPU, one core, of one mean or draw; kriging: half of
-factor, mean and draw; conditional: a ninth of mean, 8 residual fields from scratch and the sd map.)",
-                         count));
-  const std::vector<Method> methods = all_methods();
+std::vector<Row> judge_all(const std::vector<Method>& methods, int count) {
   std::vector<Row> rows(methods.size());
   for (std::size_t d = 0; d < kDimensions.size(); ++d)
     for (const std::vector<MethodScore>& scores : over_surfaces(count, [&](int i) {
@@ -133,7 +118,26 @@ factor, mean and draw; conditional: a ninth of mean, 8 residual fields from scra
            return one;
          }))
       for (std::size_t m = 0; m < methods.size(); ++m) rows[m][d] += scores[m];
+  return rows;
+}
 
+}  // namespace
+
+void methods_section() {
+  const int count = surfaces(6);
+  print_text(fmt::format(R"(
+## Methods on the same ground
+
+256 × 256 cells of exact surfaces, 5 % of them measured at random with a noise variance of 1e-3 of the squared change
+over one cell, {} surfaces a D; `yokoya` has every 4th row and column of the same ground (6.25 %). The inner 224 × 224
+cells are judged, those without a datum; errors in units of the change over one cell. D^ is Yokoya's over lags 1 … 16,
+the slope that of rms increments over lags 1–2. Spreads of the papers' methods are those of their own 8 realisations,
+with Student's quantile; a method without a spread has its mean absolute error as CRPS. Kriging's sd in 2 % of the
+cells. Times: CPU, one core, of one mean or draw; kriging: half of factor, mean and draw;
+conditional: a ninth of mean, 8 residual fields from scratch and the sd map.)",
+                         count));
+  const std::vector<Method> methods = all_methods();
+  const std::vector<Row> rows = judge_all(methods, count);
   const auto table = [&](const std::string& name, const auto& cell) {
     print_text("");
     print_head(name, kDimensions);
