@@ -111,6 +111,22 @@ Result<Extent> parse_extent(const std::string& text) {
   return extent;
 }
 
+Result<Grid<float>> read_at_cells(const std::string& file, const PlacedSurvey& placed) {
+  const auto raster = io::read_raster(file);
+  if (!raster) return raster.error();
+  const auto& [rows, columns, cell_m] = placed.grid;
+  Grid<float> cells(rows, columns, std::numeric_limits<float>::quiet_NaN());
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < columns; ++c) {
+      const double x_m = placed.place.raster.x_min_m + (c + 0.5) * cell_m;
+      const double y_m = placed.place.raster.y_min_m + (r + 0.5) * cell_m;
+      const int row = static_cast<int>(std::floor((y_m - raster->y_min_m) / raster->cell_y_m));
+      const int column = static_cast<int>(std::floor((x_m - raster->x_min_m) / raster->cell_m));
+      if (raster->height_m.contains(row, column)) cells(r, c) = raster->height_m(row, column);
+    }
+  return cells;
+}
+
 Result<PlacedSurvey> place_survey(const SurveyInput& survey, const ReconstructionGridOptions& options) {
   const auto cell_m = cell_of(survey, options.cell_m);
   if (!cell_m) return cell_m.error();

@@ -38,4 +38,8 @@ inline constexpr double kMostSurfaceCells = 8192.0 * 8192.0;
 /// that is), bad_data (oblong cells, more than kMostSurfaceCells, no sample within the extent).
 Result<PlacedSurvey> place_survey(const SurveyInput& survey, const ReconstructionGridOptions& options);
 
+/// The values of a raster's cells in which the centres of the grid's cells lie; NaN where it has none. Errors: those of
+/// io::read_raster.
+Result<Grid<float>> read_at_cells(const std::string& file, const PlacedSurvey& placed);
+
 }  // namespace scree::node

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "fractal/amplitude.hpp"
-#include "io/raster.hpp"
 
 namespace scree::node {
 namespace {
@@ -31,27 +30,19 @@ bool inside(double value, const Range& range) {
   return value > range.low && value < range.high;
 }
 
-/// The raster's cells in which the centres of the grid's cells lie.
+/// A value in range for every cell of the grid.
 Result<Grid<float>> read_cells(const std::string& option, const std::string& file, const PlacedSurvey& placed,
                                const Range& range) {
-  const auto raster = io::read_raster(file);
-  if (!raster) return raster.error();
-  const auto& [rows, columns, cell_m] = placed.grid;
-  Grid<float> cells(rows, columns);
-  for (int r = 0; r < rows; ++r)
-    for (int c = 0; c < columns; ++c) {
-      const double x_m = placed.place.raster.x_min_m + (c + 0.5) * cell_m;
-      const double y_m = placed.place.raster.y_min_m + (r + 0.5) * cell_m;
-      const int row = static_cast<int>(std::floor((y_m - raster->y_min_m) / raster->cell_y_m));
-      const int column = static_cast<int>(std::floor((x_m - raster->x_min_m) / raster->cell_m));
-      const bool covered = raster->height_m.contains(row, column);
-      const float value = covered ? raster->height_m(row, column) : 0.0F;
-      if (!covered || !inside(static_cast<double>(value), range))
+  auto cells = read_at_cells(file, placed);
+  if (!cells) return cells;
+  for (int r = 0; r < cells->rows(); ++r)
+    for (int c = 0; c < cells->columns(); ++c)
+      if (const float value = (*cells)(r, c); !inside(static_cast<double>(value), range))
         return Error{ErrorKind::bad_data,
-                     fmt::format("{} {}: expected {} at ({:g}, {:g}), found {}", option, file, range.text, x_m, y_m,
-                                 covered ? fmt::format("{:g}", value) : "the border of the raster")};
-      cells(r, c) = value;
-    }
+                     fmt::format("{} {}: expected {} at ({:g}, {:g}), found {}", option, file, range.text,
+                                 placed.place.raster.x_min_m + (c + 0.5) * placed.grid.cell_m,
+                                 placed.place.raster.y_min_m + (r + 0.5) * placed.grid.cell_m,
+                                 std::isnan(value) ? "nothing there" : fmt::format("{:g}", value))};
   return cells;
 }
 

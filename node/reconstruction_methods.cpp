@@ -39,7 +39,7 @@ std::optional<BarycentreLaw> barycentre_law(const std::string& name) {
 }
 
 /// Centres on the map to centres in the grid's frame.
-Result<std::vector<fractal::InfluenceCentre>> read_regions(const std::string& file, double x_min_m, double y_min_m) {
+Result<std::vector<fractal::InfluenceCentre>> read_regions(const std::string& file, const PlacedSurvey& placed) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 24;
   std::vector<std::uint8_t> bytes;
   if (Status status = io::read_bytes(file, kMostBytes, bytes); !status) return status.error();
@@ -51,7 +51,8 @@ Result<std::vector<fractal::InfluenceCentre>> read_regions(const std::string& fi
       if (!value) return Error{value.error().kind, fmt::format("{}:{}: {}", file, line, value.error().message)};
       values[i] = *value;
     }
-    centres.push_back({values[0] - x_min_m, values[1] - y_min_m, {values[2], values[3]}});
+    const io::Raster& place = placed.place.raster;
+    centres.push_back({values[0] - place.x_min_m, values[1] - place.y_min_m, {values[2], values[3]}});
     return {};
   };
   if (Status status = drivers::parse_table(io::as_text(bytes), file, "x_m,y_m,dimension,amplitude_m", row); !status)
@@ -88,26 +89,41 @@ Status check_memory(const fractal::SurfaceRequest& request) {
                            static_cast<double>(free) / kGigabyte, side, side)};
 }
 
-Result<SurfaceEstimate> by_triangles(const std::string& method, const fractal::HeightSamples& samples,
+Result<SurfaceEstimate> by_triangles(const std::string& method, const PlacedSurvey& placed,
                                      const fractal::SurfaceRequest& request, const MethodOptions& options,
-                                     double x_min_m, double y_min_m, Executor& executor) {
+                                     Executor& executor) {
   if (method == "polyhedron")
-    return fractal::reconstruct_polyhedron(samples, request, {.iterations = options.iterations.value_or(0)}, executor);
+    return fractal::reconstruct_polyhedron(placed.samples, request, {.iterations = options.iterations.value_or(0)},
+                                           executor);
   fractal::BarycentreOptions barycentre;
   barycentre.insertions = options.insertions.value_or(barycentre.insertions);
   if (options.barycentre_law) barycentre.law = barycentre_law(*options.barycentre_law).value_or(barycentre.law);
   if (options.regions) {
-    auto centres = read_regions(*options.regions, x_min_m, y_min_m);
+    auto centres = read_regions(*options.regions, placed);
     if (!centres) return centres.error();
     barycentre.centres = *std::move(centres);
   }
-  return fractal::reconstruct_barycentre(samples, request, barycentre, executor);
+  return fractal::reconstruct_barycentre(placed.samples, request, barycentre, executor);
+}
+
+Result<SurfaceEstimate> by_posterior(const PlacedSurvey& placed, const fractal::CellSamples& cells,
+                                     const fractal::SurfaceRequest& request, const MethodOptions& options,
+                                     Executor& executor) {
+  fractal::ConditionalOptions conditional;
+  conditional.residual_fields = options.fields.value_or(conditional.residual_fields);
+  conditional.gate_outliers = !options.keep_outliers;
+  conditional.break_edges = options.breaks;
+  if (options.ceiling) {
+    auto ceiling = read_at_cells(*options.ceiling, placed);
+    if (!ceiling) return ceiling.error();
+    conditional.ceiling_m = *std::move(ceiling);
+  }
+  return fractal::reconstruct_conditional(cells, request, conditional, executor);
 }
 
 Result<SurfaceEstimate> by_cells(const std::string& method, const fractal::CellSamples& cells,
                                  const fractal::SurfaceRequest& request, const MethodOptions& options,
                                  Executor& executor) {
-  if (method == "conditional") return fractal::reconstruct_conditional(cells, request, {}, executor);
   if (method == "membrane") return fractal::reconstruct_membrane(cells, request, executor);
   if (method == "thin-plate") return fractal::reconstruct_thin_plate(cells, request, executor);
   if (method == "yokoya") return fractal::reconstruct_yokoya(cells, request, executor);
@@ -135,7 +151,11 @@ Status check_method_options(const std::string& method, const MethodOptions& opti
                                   {options.iterations.has_value(), "--iterations", "polyhedron"},
                                   {options.insertions.has_value(), "--insertions", "barycentre"},
                                   {options.barycentre_law.has_value(), "--barycentre-law", "barycentre"},
-                                  {options.regions.has_value(), "--regions", "barycentre"}};
+                                  {options.regions.has_value(), "--regions", "barycentre"},
+                                  {options.fields.has_value(), "--fields", "conditional"},
+                                  {options.keep_outliers, "--keep-outliers", "conditional"},
+                                  {options.breaks, "--breaks", "conditional"},
+                                  {options.ceiling.has_value(), "--ceiling", "conditional"}};
   for (const auto& [given, option, owner] : belongings)
     if (given && method != owner)
       return Error{ErrorKind::usage,
@@ -152,15 +172,16 @@ Status check_method_options(const std::string& method, const MethodOptions& opti
   return {};
 }
 
-Result<SurfaceAnswer> reconstruct_surface(const std::string& method, const fractal::HeightSamples& samples,
+Result<SurfaceAnswer> reconstruct_surface(const std::string& method, const PlacedSurvey& placed,
                                           const fractal::SurfaceRequest& request, const MethodOptions& options,
-                                          double x_min_m, double y_min_m, Executor& executor) {
+                                          Executor& executor) {
   const auto begin = std::chrono::steady_clock::now();
   if (Status status = check_memory(request); !status) return status.error();
   const bool triangles = method == "polyhedron" || method == "barycentre";
-  const fractal::CellSamples cells = fractal::bin_samples(samples, request.grid, request.law);
-  auto estimate = triangles ? by_triangles(method, samples, request, options, x_min_m, y_min_m, executor)
-                            : by_cells(method, cells, request, options, executor);
+  const fractal::CellSamples cells = fractal::bin_samples(placed.samples, request.grid, request.law);
+  auto estimate = triangles                 ? by_triangles(method, placed, request, options, executor)
+                  : method == "conditional" ? by_posterior(placed, cells, request, options, executor)
+                                            : by_cells(method, cells, request, options, executor);
   if (!estimate) return estimate.error();
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   return SurfaceAnswer{*std::move(estimate), cells.cells, taken.count()};

@@ -8,7 +8,7 @@
 
 #include "core/executor.hpp"
 #include "core/result.hpp"
-#include "fractal/reconstruction/surface_problem.hpp"
+#include "node/reconstruction_grid.hpp"
 
 namespace scree::node {
 
@@ -19,7 +19,11 @@ struct MethodOptions {
   std::optional<int> iterations;              ///< polyhedron
   std::optional<std::int64_t> insertions;     ///< barycentre
   std::optional<std::string> barycentre_law;  ///< barycentre: published, exact-variance, conditional, neighbours
-  std::optional<std::string> regions;         ///< barycentre: a table of centres, read_regions
+  std::optional<std::string> regions;         ///< barycentre: a table of centres (CSV: x_m,y_m,dimension,amplitude_m)
+  std::optional<int> fields;                  ///< conditional: residual fields behind the sd
+  bool keep_outliers = false;                 ///< conditional: no gate
+  bool breaks = false;                        ///< conditional: line process
+  std::optional<std::string> ceiling;         ///< conditional: a raster of rays' heights
 };
 
 struct SurfaceAnswer {
@@ -34,11 +38,10 @@ std::vector<std::string> reconstruction_methods();
 /// Usage where an option does not go with the method, or has a value that it cannot have: said before the work starts.
 Status check_method_options(const std::string& method, const MethodOptions& options);
 
-/// `x_min_m`, `y_min_m`: the grid's corner on the map, which the centres of regions are given on. Errors: those of the
-/// method; bad_data where the conditional method would need more memory than there is, with the largest size that fits;
-/// those of a regions file (CSV: x_m,y_m,dimension,amplitude_m).
-Result<SurfaceAnswer> reconstruct_surface(const std::string& method, const fractal::HeightSamples& samples,
+/// Errors: those of the method; bad_data where the conditional method would need more memory than there is, with the
+/// largest size that fits; those of the files that options name.
+Result<SurfaceAnswer> reconstruct_surface(const std::string& method, const PlacedSurvey& placed,
                                           const fractal::SurfaceRequest& request, const MethodOptions& options,
-                                          double x_min_m, double y_min_m, Executor& executor);
+                                          Executor& executor);
 
 }  // namespace scree::node

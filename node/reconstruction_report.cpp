@@ -58,6 +58,11 @@ std::vector<std::string> reconstruction_remarks(const ReconstructionReport& repo
         fmt::format("contradictory samples: heights at one place differ by {} m, the noise is {} m; they "
                     "are averaged",
                     length_text(report.law.repeat_sigma_m), length_text(report.law.noise_sigma_m)));
+  if (const std::size_t cells = report.answer.estimate.rejected_cells; cells > 0)
+    remarks.push_back(
+        fmt::format("{} of {} measured cells are no ground of this law and were left out (BASE.rejected; "
+                    "--keep-outliers keeps them)",
+                    cells, report.answer.measured_cells));
   if (!report.answer.estimate.converged)
     remarks.emplace_back("not converged: the surface is short of its law; are D and the noise right?");
   if (const std::size_t cells = unknown_cells(report); cells > 0)
@@ -93,6 +98,7 @@ std::string reconstruction_json(const ReconstructionReport& report) {
             {"samples_outside", report.placed.outside},
             {"samples_skipped", report.input.skipped},
             {"measured_cells", report.answer.measured_cells},
+            {"rejected_cells", estimate.rejected_cells},
             {"unknown_cells", unknown_cells(report)},
             {"median_sd_m", number(median_sd_m(report))},
             {"draws", report.draws},

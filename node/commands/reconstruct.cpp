@@ -1,6 +1,7 @@
 // scree reconstruct: sparse heights to a dense rough surface, with its uncertainty and draws.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <memory>
@@ -99,14 +100,20 @@ Result<int> reconstruct(const ReconstructOptions& options, const SurveyInput& in
       .seed = options.law.seed,
       .on_draw = [&drawings](int k, const Grid<float>& draw_m) { drawings.take(k, draw_m); },
       .on_progress = [&progress](double share) { progress.show(static_cast<std::size_t>(share * kSteps)); }};
-  const auto answer = reconstruct_surface(options.method, placed.samples, request, options.method_options,
-                                          placed.place.raster.x_min_m, placed.place.raster.y_min_m, workers.executor());
+  const auto answer = reconstruct_surface(options.method, placed, request, options.method_options, workers.executor());
   progress.clear();
   if (!answer) return answer.error();
   if (!drawings.status()) return drawings.status().error();
   if (Status status = drawings.write("mean", "mean / m", answer->estimate.mean_m); !status) return status.error();
   if (Status status = drawings.write("sd", "standard deviation / m", answer->estimate.sd_m, false); !status)
     return status.error();
+
+  if (answer->estimate.rejected_cells > 0) {
+    const Grid<std::uint8_t>& rejected = answer->estimate.rejected;
+    Grid<float> layer(rejected.rows(), rejected.columns());
+    std::copy(rejected.begin(), rejected.end(), layer.begin());
+    if (Status status = drawings.write("rejected", "left out (1)", layer, false); !status) return status.error();
+  }
 
   const ReconstructionReport report{options.method, input, placed, *law, *answer, options.draws, drawings.dimension()};
   if (!options.json)
@@ -138,6 +145,15 @@ Result<int> run_reconstruct(const ReconstructOptions& options) {
 constexpr std::int64_t kMostInsertions = 200'000'000;
 
 void add_method_options(CLI::App& command, MethodOptions& options) {
+  command
+      .add_option("--fields", options.fields, "conditional: residual fields behind the standard deviation; default 8")
+      ->check(CLI::Range(1, 10'000))
+      ->type_name("K");
+  command.add_flag("--keep-outliers", options.keep_outliers, "conditional: believe every sample");
+  command.add_flag("--breaks", options.breaks, "conditional: let the surface break at cliffs and rocks");
+  command
+      .add_option("--ceiling", options.ceiling, "conditional: raster of the lowest ray over each cell; nodata = none")
+      ->type_name("FILE");
   command.add_option("--temperature", options.temperature, "szeliski: of the prior; default closed-form")
       ->type_name("empirical|formula|closed-form|M2");
   command.add_option("--sweeps", options.sweeps, "szeliski: of every level; default 50")

@@ -27,13 +27,17 @@ Grid<float> truth() {
   return *fractal::fbm_surface(kLaw, kSide, kSide, kCell, 21);
 }
 
+bool sampled(int row, int column, double share) {
+  return to_uniform(random_words(8, 9, column, row)[0]) < share;
+}
+
 /// Heights of the centres of a random part of the cells.
 std::string sparse_points(const TemporaryFolder& folder, double share, const std::string& name = "sparse.xyz") {
   const Grid<float> surface = truth();
   std::string text;
   for (int r = 0; r < kSide; ++r)
     for (int c = 0; c < kSide; ++c)
-      if (to_uniform(random_words(8, 9, c, r)[0]) < share)
+      if (sampled(r, c, share))
         text +=
             fmt::format("{:.3f} {:.3f} {:.6f}\n", kEast + (c + 0.5) * kCell, kNorth + (r + 0.5) * kCell, surface(r, c));
   return write(folder, name, text);
@@ -200,9 +204,65 @@ TEST(Reconstruct, RastersGiveALawToEveryCell) {
   };
   fails({"--dimension", dimension, "--extent", kWhole}, 64, "expected --amplitude-m A or FILE beside it");
   fails({"--dimension", raster("half.asc", "2.2", "2.7", 1), "--amplitude-m", "0.2", "--extent", kWhole}, 65,
-        "found the border of the raster");
+        "found nothing there");
   fails({"--dimension", raster("wild.asc", "2.2", "3.2"), "--amplitude-m", "0.2", "--extent", kWhole}, 65,
         "expected a number between 2 and 3");
+}
+
+TEST(Reconstruct, OutliersAreLeftOutAndSaid) {
+  const TemporaryFolder folder;
+  const auto points = sparse_points(folder, 0.1);
+  std::string text = read_file(points);
+  const double unit = kLaw.rms_change_m(kCell);
+  for (int k = 0; k < 5;
+       ++k) {  // far from each other, in cells without a sample, 20 changes over a cell and more above
+    const int r = 40 + 7 * (k % 2);
+    int c = 16 + 15 * k;
+    while (sampled(r, c, 0.1)) ++c;
+    text +=
+        fmt::format("{:.3f} {:.3f} {:.6f}\n", kEast + (c + 0.5) * kCell, kNorth + (r + 0.5) * kCell, 20.0 * unit + 1.0);
+  }
+  const auto spoilt = write(folder, "spoilt.xyz", text);
+  const std::vector<std::string> law{"--extent", kWhole, "--dimension", "2.4", "--amplitude-m", "0.2", "--json"};
+  const auto with = [&](const std::string& input, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = law;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto finished = scree(reconstruct(folder, input, arguments));
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+    return std::pair(json::parse(finished.out)["rejected_cells"].get<int>(), rmse(layer(folder, "mean"), truth()));
+  };
+  const auto clean = with(points, {}), gated = with(spoilt, {}), kept = with(spoilt, {"--keep-outliers"});
+  EXPECT_EQ(clean.first, 0);
+  EXPECT_EQ(gated.first, 5);
+  EXPECT_EQ(kept.first, 0);
+  EXPECT_LT(gated.second, 1.03 * clean.second);
+  EXPECT_GT(kept.second, 1.2 * clean.second);
+}
+
+TEST(Reconstruct, ACeilingKeepsTheSurfaceBelowIt) {
+#ifndef SCREE_WITH_GDAL
+  GTEST_SKIP() << "this build reads no rasters";
+#endif
+  const TemporaryFolder folder;
+  const auto points = sparse_points(folder, 0.02);
+  const std::vector<std::string> law{"--extent", kWhole, "--dimension", "2.4", "--amplitude-m", "0.2", "--json"};
+  ASSERT_EQ(scree(reconstruct(folder, points, law)).exit_code, 0);
+  const Grid<float> free = layer(folder, "draw0");
+  const float level =
+      0.5F * (*std::min_element(free.begin(), free.end()) + *std::max_element(free.begin(), free.end()));
+  const auto rays = write(folder, "rays.asc",
+                          fmt::format("ncols 1\nnrows 1\nxllcorner {}\nyllcorner {}\ncellsize {}\nNODATA_value "
+                                      "-9999\n{}\n",
+                                      kEast, kNorth, kSide * kCell, level));
+  std::vector<std::string> more = law;
+  more.insert(more.end(), {"--ceiling", rays});
+  ASSERT_EQ(scree(reconstruct(folder, points, more)).exit_code, 0);
+  const Grid<float> held = layer(folder, "draw0");
+  const auto above = [level](const Grid<float>& z) {
+    return std::count_if(z.begin(), z.end(), [level](float height) { return height > level; });
+  };
+  // Samples above the ceiling stay, they contradict it; most of the rest of what stood above is pushed down.
+  EXPECT_LT(above(held), above(free) / 2);
 }
 
 TEST(Reconstruct, RepeatedSamplesTellTheNoise) {
