@@ -59,10 +59,10 @@ void GibbsLevel::finish() {
     for (int c = 0; c < columns(); ++c) {
       const auto ys = around(r, rows()), xs = around(c, columns());
       float own = 0.0F;  // reflected neighbours of a border cell may be the cell itself
-      for (int dy = -2; dy <= 2; ++dy)
-        for (int dx = -2; dx <= 2; ++dx)
-          if (ys[static_cast<std::size_t>(dy + 2)] == r && xs[static_cast<std::size_t>(dx + 2)] == c)
-            own += stencil_weight(stencil, dy, dx);
+      for (std::size_t y = 0; y < ys.size(); ++y)
+        for (std::size_t x = 0; x < xs.size(); ++x)
+          if (ys[y] == r && xs[x] == c)
+            own += stencil_weight(stencil, static_cast<int>(y) - 2, static_cast<int>(x) - 2);
       const float total = own + precision(r, c);
       variance(r, c) = total > 0.0F ? 1.0F / total : 0.0F;  // a single cell without data stays where it is
     }

@@ -1,7 +1,6 @@
 #include "fractal/reconstruction/gibbs_rows.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/simd.hpp"
@@ -84,13 +83,11 @@ void GibbsRows::sweep(const SweepNoise* noise, PhaseField& x) {
   for (int r = 0; r < rows; ++r) {
     if (noise != nullptr)
       normal_block(noise->seed, noise->stream, r, static_cast<int>(normals_.size() / 4), normals_.data());
-    std::array<int, 5> ys;
-    for (int k = 0; k < 5; ++k) ys[static_cast<std::size_t>(k)] = reflected(r - 2 + k, rows);
     for (int p = 0; p < 3; ++p) {
       // column c + d is in phase (p + d) mod 3, at j − 1, j or j + 1
       const auto at = [&](int dy, int d) {
         const int shifted = p + d + 3;
-        return x.phase(ys[static_cast<std::size_t>(dy + 2)], shifted % 3) + (shifted / 3 - 1);
+        return x.phase(reflected(r + dy, rows), shifted % 3) + (shifted / 3 - 1);
       };
       const PhaseRow row = {at(0, -2),
                             at(0, -1),
