@@ -11,6 +11,7 @@
 
 namespace scree::fractal {
 
+/// `request` must outlive it.
 class BarycentreRefinement {
  public:
   BarycentreRefinement(TriangulatedSamples samples, const SurfaceRequest& request, const BarycentreOptions& options,
@@ -39,7 +40,7 @@ class BarycentreRefinement {
   void measure_spread();
 
   const SurfaceRequest& request_;
-  const BarycentreOptions& options_;
+  BarycentreOptions options_;
   int realisations_;
   Delaunay mesh_;
   std::vector<double> heights_;  // of each vertex, one a realisation

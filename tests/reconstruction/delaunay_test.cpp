@@ -217,6 +217,31 @@ TEST(Delaunay, OrderOfThePointsDoesNotMatter) {
   EXPECT_EQ(edges(*Delaunay::make(points.x, points.y), false), edges(*Delaunay::make(backwards.x, backwards.y), true));
 }
 
+// Doubles that lie on a circle or on lines but for their last bits, far from the origin: exact predicates keep it whole
+// (Euler) and locally Delaunay, hence Delaunay.
+TEST(Delaunay, IsWholeWhereRoundingDecides) {
+  Points circle, lines;
+  for (int i = 0; i < 700; ++i) circle.add(1e5 + 30.0 * std::cos(0.013 * i), -2e5 + 30.0 * std::sin(0.013 * i));
+  for (int i = 0; i < 300; ++i)
+    for (const double slope : {0.1, 1.0 / 3.0}) lines.add(0.7 * i, slope * (0.7 * i));
+  for (const Points* points : {&circle, &lines}) {
+    const auto mesh = Delaunay::make(points->x, points->y);
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    const int distinct = mesh->vertex_count() - mesh->repeated();
+    EXPECT_EQ(mesh->triangle_count(), 2 * distinct - 2);
+    for (int t = 0; t < mesh->triangle_count(); ++t) {
+      if (mesh->is_ghost(t)) continue;
+      const auto& v = mesh->triangle(t).vertex;
+      ASSERT_EQ(orientation(mesh->point(v[0]), mesh->point(v[1]), mesh->point(v[2])), 1);
+      for (const int other : mesh->triangle(t).neighbour)
+        for (const int w : mesh->triangle(other).vertex) {
+          if (w == Delaunay::kInfinite) continue;
+          ASSERT_LE(in_circle(mesh->point(v[0]), mesh->point(v[1]), mesh->point(v[2]), mesh->point(w)), 0);
+        }
+    }
+  }
+}
+
 TEST(Delaunay, SaysWhatItCannotTriangulate) {
   const auto message = [](std::vector<double> x, std::vector<double> y) {
     const auto mesh = Delaunay::make(x, y);
