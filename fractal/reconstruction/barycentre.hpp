@@ -56,12 +56,18 @@ inline BarycentreOptions corrected_barycentre() {
 /// places). iterations in the result: insertions done, fewer than asked for only where hull and grid hardly meet or a
 /// barycentre no longer differs from a vertex. Errors: those of triangulate(); usage (insertions below −1 or beyond
 /// kMaxInsertions, a centre whose law is none).
-/// Cost: O(1) expected an insertion, docs/reconstruction.md; memory 80 bytes a point and 8 a point and realisation.
+/// Cost: O(1) expected an insertion, docs/reconstruction.md; memory barycentre_bytes() and
+/// estimate_from_realisations().
 Result<SurfaceEstimate> reconstruct_barycentre(const HeightSamples& samples, const SurfaceRequest& request,
                                                const BarycentreOptions& options, Executor& executor);
 inline Result<SurfaceEstimate> reconstruct_barycentre(const HeightSamples& samples, const SurfaceRequest& request,
                                                       Executor& executor) {
   return reconstruct_barycentre(samples, request, {}, executor);
+}
+
+/// Memory for so many points (samples, insertions, cell centres) without the grids, to refuse what does not fit.
+inline std::int64_t barycentre_bytes(std::int64_t points, int draws) {
+  return points * (100 + 8 * (draws > 8 ? draws : 8));
 }
 
 inline constexpr std::int64_t kMaxInsertions = 200'000'000;

@@ -63,6 +63,12 @@ bool BarycentreRefinement::insert(const PlanePoint& p, int triangle, BarycentreL
   return true;
 }
 
+/// Growing by doubling would take up to three times the memory.
+void BarycentreRefinement::reserve(std::int64_t more) {
+  mesh_.reserve(static_cast<std::size_t>(mesh_.vertex_count() + more));
+  heights_.reserve(static_cast<std::size_t>(mesh_.vertex_count() + more) * static_cast<std::size_t>(realisations_));
+}
+
 std::vector<PlanePoint> BarycentreRefinement::random_places(std::int64_t first, std::int64_t count) const {
   std::vector<PlanePoint> places(static_cast<std::size_t>(count));
   for (std::int64_t i = 0; i < count; ++i) {
@@ -85,8 +91,7 @@ bool BarycentreRefinement::insert_into(const PlanePoint& place) {
 /// Places are drawn in batches and taken along a curve within each: neighbours in the plane are then neighbours in
 /// memory, without which a million insertions wait for it four times as long.
 std::int64_t BarycentreRefinement::refine(std::int64_t count) {
-  mesh_.reserve(static_cast<std::size_t>(mesh_.vertex_count() + count));
-  heights_.reserve(static_cast<std::size_t>(mesh_.vertex_count() + count) * static_cast<std::size_t>(realisations_));
+  reserve(count + (options_.insert_cell_centres ? std::int64_t{request_.grid.rows} * request_.grid.columns : 0));
   if (!(low_.x < high_.x && low_.y < high_.y)) return 0;
   std::int64_t done = 0, tried = 0;
   while (done < count && tried < kTriesPerPoint * count + 1000) {
@@ -107,6 +112,7 @@ void BarycentreRefinement::insert_cell_centres() {
   const BarycentreLaw law =  // equal weights are for barycentres alone
       options_.law == BarycentreLaw::neighbours ? BarycentreLaw::neighbours : BarycentreLaw::conditional;
   std::vector<PlanePoint> centres;
+  centres.reserve(static_cast<std::size_t>(request_.grid.rows) * static_cast<std::size_t>(request_.grid.columns));
   for (int r = 0; r < request_.grid.rows; ++r)
     for (int c = 0; c < request_.grid.columns; ++c) centres.push_back({static_cast<double>(c), static_cast<double>(r)});
   for (const int i : insertion_order(centres)) {

@@ -26,6 +26,7 @@ class BarycentreRefinement {
   double height(int vertex, int k) const { return heights(vertex)[k]; }
 
  private:
+  void reserve(std::int64_t more);
   std::vector<PlanePoint> random_places(std::int64_t first, std::int64_t count) const;
   bool insert_into(const PlanePoint& place);
   bool insert(const PlanePoint& point, int triangle, BarycentreLaw law);

@@ -65,8 +65,7 @@ double insertion_us(std::int64_t count, BarycentreLaw law, int realisations) {
 
 void growth_table() {
   print_text(R"(
-Growth: 1000 samples, then N insertions at barycentres chosen at random; µs of CPU an insertion. Linear growth is a
-constant figure; what it grows by is the memory: 10⁶ points and their triangles no longer fit the caches.
+Growth: 1000 samples, then N insertions at barycentres; µs of CPU an insertion, which linear growth keeps constant.
 
 | insertions | published, 1 realisation | published, 8 | exact variance, 8 | conditional, 8 | neighbours, 8 |
 |---|---|---|---|---|---|)");

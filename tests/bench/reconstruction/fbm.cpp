@@ -35,9 +35,9 @@ void fbm_section() {
   print_text(R"(
 ## Exact fBm against a periodic synthesis
 
-CPU of one thread, best of two runs in turn. Periodic: white noise times k^−(1+H) on the N × N torus, which has neither the law of
-fBm nor ground that differs from edge to opposite edge. Exact: Stein's embedding on a torus of twice the diagonal
-(H ≤ .75; four times above).
+CPU of one thread, best of two runs in turn. Periodic: white noise times k^−(1+H) on the N × N torus, which has neither
+the law of fBm nor ground that differs from edge to opposite edge. Exact: Stein's embedding on a torus of twice the
+diagonal (H ≤ .75; four times above).
 
 | N | H | torus | periodic, s | exact, s | ratio | target ≤ 15 |
 |---|---|---|---|---|---|---|)");
