@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "core/random.hpp"
 #include "fractal/reconstruction/cell_samples.hpp"
@@ -17,13 +18,19 @@ namespace scree::fractal {
 struct ScanScene {
   static constexpr double kBehind = 20.0, kAbove = 30.0, kRangeSigma = 0.1, kStep = 0.25;
 
-  FractalLaw law;
+  FractalLaw law;  ///< the one law, or the middle of `laws`
+  LawMap laws;
   Grid<float> truth;
   CellSamples samples;
   Grid<float> ceiling_m;  ///< lowest ray over each cell that is not measured, NaN = none
 
   ScanScene(double dimension, double amplitude, int side, int azimuths, int elevations, std::uint64_t seed)
-      : law{dimension, amplitude}, truth(*fbm_surface(law, side, side, 1.0, seed)) {
+      : ScanScene({{dimension, amplitude}, {}, {}}, *fbm_surface({dimension, amplitude}, side, side, 1.0, seed),
+                  azimuths, elevations, seed) {}
+
+  ScanScene(const LawMap& of, Grid<float> ground, int azimuths, int elevations, std::uint64_t seed)
+      : law(of.law), laws(of), truth(std::move(ground)) {
+    const int side = truth.rows();
     double mean = 0.0;
     for (const float z : truth) mean += static_cast<double>(z) / static_cast<double>(truth.size());
     for (float& z : truth) z -= static_cast<float>(mean);
@@ -35,7 +42,7 @@ struct ScanScene {
         const double half = std::atan2(0.5 * side, kBehind);
         cast((2.0 * (a + 0.5) / azimuths - 1.0) * half, -0.01 - 0.8 * (e + 0.5) / elevations, normals[0], points);
       }
-    samples = bin_samples(points, {side, side, 1.0}, {law, {}, {}});
+    samples = bin_samples(points, {side, side, 1.0}, laws);
     for (std::size_t i = 0; i < ceiling_m.size(); ++i)
       if (!std::isnan(samples.height_m[i])) ceiling_m[i] = std::numeric_limits<float>::quiet_NaN();
   }
@@ -75,7 +82,8 @@ struct ScanScene {
       (z(middle) <= height(x(middle), y(middle)) ? in : out) = middle;
     }
     // What noise along the ray does across slopes the ground's own change over that distance tells.
-    const double noise = law.rms_change_m(std::cos(elevation) * kRangeSigma);
+    const FractalLaw here = laws.at(static_cast<int>(y(in)), static_cast<int>(x(in)));
+    const double noise = here.rms_change_m(std::cos(elevation) * kRangeSigma);
     const double measured = in + kRangeSigma * normal;
     points.x_m.push_back(x(measured));
     points.y_m.push_back(y(measured));

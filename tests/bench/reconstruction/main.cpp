@@ -28,6 +28,7 @@ constexpr std::array kSections = {
     Section{"outliers", outliers_section},
     Section{"cliffs", cliffs_section},
     Section{"occlusion", occlusion_section},
+    Section{"robust-varying", robust_varying_section},
     Section{"methods", methods_section},
     Section{"kriging", kriging_section},
     Section{"sampler", sampler_section},

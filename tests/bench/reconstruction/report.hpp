@@ -21,6 +21,7 @@ void sd_section();
 void outliers_section();
 void cliffs_section();
 void occlusion_section();
+void robust_varying_section();
 void methods_section();
 void kriging_section();
 void sampler_section();
