@@ -7,8 +7,28 @@
 namespace scree::fractal {
 namespace {
 
+Error usage(std::string message) {
+  return {ErrorKind::usage, std::move(message)};
+}
+
+Status check_law_map(const SurfaceRequest& request) {
+  const auto& [law, dimension, amplitude_m] = request.law;
+  if (!request.law.varies()) return {};
+  const auto [rows, columns, cell_m] = request.grid;
+  for (const Grid<float>* map : {&dimension, &amplitude_m})
+    if (map->rows() != rows || map->columns() != columns)
+      return usage(fmt::format("surface law: expected a map of {} x {} cells, found {} x {}", rows, columns,
+                               map->rows(), map->columns()));
+  for (std::size_t i = 0; i < dimension.size(); ++i)
+    if (!(dimension[i] > 2.0F && dimension[i] < 3.0F && amplitude_m[i] > 0.0F && std::isfinite(amplitude_m[i])))
+      return usage(fmt::format(
+          "surface law: expected 2 < D < 3 and a finite amplitude_m > 0 in every cell, found {} and "
+          "{} in cell {}, {}",
+          dimension[i], amplitude_m[i], i / static_cast<std::size_t>(columns), i % static_cast<std::size_t>(columns)));
+  return {};
+}
+
 Status check_request(const SurfaceRequest& request) {
-  const auto usage = [](std::string message) { return Error{ErrorKind::usage, std::move(message)}; };
   const auto [rows, columns, cell_m] = request.grid;
   const auto [dimension, amplitude_m] = request.law.law;
   if (rows < 1 || columns < 1)
@@ -20,7 +40,7 @@ Status check_request(const SurfaceRequest& request) {
     return usage(fmt::format("surface law: expected 2 < D < 3, found D = {}", dimension));
   if (!(amplitude_m > 0.0 && std::isfinite(amplitude_m)))
     return usage(fmt::format("surface law: expected a finite amplitude_m > 0, found {}", amplitude_m));
-  return {};
+  return check_law_map(request);
 }
 
 Status check_samples(const HeightSamples& samples) {

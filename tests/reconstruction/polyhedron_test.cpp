@@ -1,5 +1,6 @@
 #include "fractal/reconstruction/polyhedron.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
@@ -102,6 +103,36 @@ TEST(Polyhedron, SaysWhatIsWrong) {
   SurfaceRequest steep = scene.request;
   steep.law.law.dimension = 3.0;
   EXPECT_EQ(message(scene.samples, steep), "surface law: expected 2 < D < 3, found D = 3");
+  SurfaceRequest map = scene.request;
+  map.law.dimension = map.law.amplitude_m = Grid<float>(20, 19, 2.5F);
+  EXPECT_EQ(message(scene.samples, map), "surface law: expected a map of 20 x 20 cells, found 20 x 19");
+  map.law.dimension = Grid<float>(20, 20, 2.5F);
+  map.law.amplitude_m = Grid<float>(20, 20, 0.1F);
+  map.law.dimension(3, 4) = NAN;
+  EXPECT_EQ(
+      message(scene.samples, map),
+      "surface law: expected 2 < D < 3 and a finite amplitude_m > 0 in every cell, found nan and 0.1 in cell 3, 4");
+}
+
+// Left half rough, right half nearly flat: a law for each cell.
+TEST(Polyhedron, TakesALawForEveryCell) {
+  ScatteredScene scene(2.5, 40, 0.1, 6);
+  scene.add_corners();
+  std::fill(scene.samples.z_m.begin(), scene.samples.z_m.end(), 0.0);
+  scene.request.law.dimension = Grid<float>(40, 40, 2.4F);
+  scene.request.law.amplitude_m = Grid<float>(40, 40, 1e-7F);
+  for (int r = 0; r < 40; ++r)
+    for (int c = 0; c < 20; ++c) scene.request.law.amplitude_m(r, c) = 0.5F;
+  SerialExecutor serial;
+  const auto estimate = reconstruct_polyhedron(scene.samples, scene.request, serial);
+  ASSERT_TRUE(estimate) << estimate.error().message;
+  float left = 0.0F, right = 0.0F;
+  for (int r = 0; r < 40; ++r) {
+    for (int c = 0; c < 16; ++c) left = std::max(left, estimate->sd_m(r, c));
+    for (int c = 30; c < 40; ++c) right = std::max(right, estimate->sd_m(r, c));
+  }
+  EXPECT_GT(left, 0.05F);
+  EXPECT_LT(right, 0.01F);
 }
 
 TEST(Polyhedron, RepeatedPlacesCarryTheirMean) {
