@@ -68,7 +68,7 @@ std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies) {
   const double side = residual_torus_side(0.95, shape.rows, shape.columns, std::max(shape.rows, shape.columns) / 32);
   const double together = cells > static_cast<double>(ConditionalRun::kSideBySide) ? 1.0 : ConditionalRun::kTogether;
   const double levels = 4.0 / 3.0;
-  const double held = 10.0 + 4.0 * 4.0 + (law_varies ? 8.0 : 0.0);  // samples; mean, squares, draw, sd; law
+  const double held = 10.0 + 11.0 + 4.0 * 4.0 + (law_varies ? 8.0 : 0.0);  // samples, gated; mean … sd; law
   const double matrix = 4.0 + 8.0 * levels + (law_varies ? 8.0 + 16.0 * levels : 0.0);
   const double solve = 4.0 * (3.0 + 4.0) + 4.0 * levels + 8.0 / 3.0;  // u b x, r z p q, levels
   const double synthesis = 4.0 * cells + 4.0 * side * shape.columns + 2.0 * side * side;

@@ -38,7 +38,7 @@ Result<SurfaceEstimate> reconstruct_conditional(const CellSamples& samples, cons
                                                 const ConditionalOptions& options, Executor& executor);
 
 /// What reconstruct_conditional holds at its peak for a grid, in bytes, its samples, law map and result included: about
-/// 110 a cell for one law on large grids, 150 for a law a cell. The holes in the data decide how large the Fourier
+/// 100 a cell for one law on large grids, 140 for a law a cell; the gate counts, breaks and ceilings do not. The holes in the data decide how large the Fourier
 /// torus is; this is for gaps up to a thirtieth of the longer side.
 std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies);
 
