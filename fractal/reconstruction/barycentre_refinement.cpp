@@ -38,7 +38,7 @@ std::vector<double> repeated_heights(const std::vector<double>& z, int times) {
 
 }  // namespace
 
-BarycentreRefinement::BarycentreRefinement(TriangulatedSamples samples, const SurfaceRequest& request,
+BarycentreRefinement::BarycentreRefinement(TriangulatedSamples&& samples, const SurfaceRequest& request,
                                            const BarycentreOptions& options, int realisations)
     : request_(request),
       options_(options),

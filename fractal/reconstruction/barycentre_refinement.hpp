@@ -14,7 +14,7 @@ namespace scree::fractal {
 /// `request` must outlive it.
 class BarycentreRefinement {
  public:
-  BarycentreRefinement(TriangulatedSamples samples, const SurfaceRequest& request, const BarycentreOptions& options,
+  BarycentreRefinement(TriangulatedSamples&& samples, const SurfaceRequest& request, const BarycentreOptions& options,
                        int realisations);
 
   /// Insertions at barycentres until `count` more points are in; returns how many are.

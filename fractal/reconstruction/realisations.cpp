@@ -21,7 +21,7 @@ void accumulate(const Grid<float>& value, int n, Grid<float>& mean, Grid<float>&
 
 SurfaceEstimate estimate_from_realisations(const SurfaceRequest& request, Executor& executor,
                                            const std::function<void(int, Grid<float>&)>& make) {
-  const auto [rows, columns, cell_m] = request.grid;
+  const int rows = request.grid.rows, columns = request.grid.columns;
   const int total = realisation_count(request);
   const std::size_t cells = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
   const int batch = cells > (1U << 22) ? 2 : 4;
