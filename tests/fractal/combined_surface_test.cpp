@@ -111,8 +111,10 @@ TEST(CombinedSurface, HasTheLawOfEquation16) {
     int x, y;
     double azimuth;
   };
-  for (const auto& [x, y, azimuth] :
+  for (const Direction& direction :
        {Direction{1, 0, 0.0}, {0, 1, kQuarter}, {1, 1, std::numbers::pi / 4}, {1, 2, std::atan(2.0)}}) {
+    const int x = direction.x, y = direction.y;
+    const double azimuth = direction.azimuth;
     double near = 0.0, far = 0.0;
     for (int seed = 0; seed < kCount; ++seed) {
       const Grid<float> z = *combined_surface(law, 48, 32, 0.5, static_cast<std::uint64_t>(seed));
