@@ -25,8 +25,8 @@ class CeilingPush {
   explicit CeilingPush(const CeilingOptions& options = {}) : options_(options) {}
 
   /// `sample` in units of the change over one cell, changed in place; `ceiling` in the same unit and from the same
-  /// level, NaN = none (at measured cells too), of the map's shape; `prior` and `precision` as in the sample's solve;
-  /// `change`: local change over a cell in that unit, empty = 1. Returns false when nothing was above.
+  /// level, NaN or +inf = none (at measured cells too), of the map's shape; `prior` and `precision` as in the sample's
+  /// solve; `change`: local change over a cell in that unit, empty = 1. Returns false when nothing was above.
   bool apply(const MultigridShape& shape, const BlendField& prior, const PaddedField& precision,
              const Grid<float>& ceiling, const Grid<float>& change, double tolerance, int max_iterations,
              PaddedField& sample);

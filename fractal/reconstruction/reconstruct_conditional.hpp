@@ -16,8 +16,8 @@ struct ConditionalOptions {
   int max_iterations = 200;   ///< cycles of one solve
   bool gate_outliers = true;  ///< leave out data that neither ground of the law nor their neighbours explain
   bool break_edges = false;   ///< let the surface break at cliffs and rocks, and say there how little is known
-  /// Height of the lowest ray that passed over each cell, metres, where it passes the middle; NaN = none. Empty: none
-  /// anywhere. What stands above is pushed below.
+  /// Height of the lowest ray that passed over each cell, metres, where it passes the middle; NaN or +inf = none.
+  /// Empty: none anywhere. What stands above is pushed below.
   Grid<float> ceiling_m = {};
 };
 
@@ -38,8 +38,8 @@ Result<SurfaceEstimate> reconstruct_conditional(const CellSamples& samples, cons
                                                 const ConditionalOptions& options, Executor& executor);
 
 /// What reconstruct_conditional holds at its peak for a grid, in bytes, its samples, law map and result included: about
-/// 100 a cell for one law on large grids, 140 for a law a cell; the gate counts, breaks and ceilings do not. The holes in the data decide how large the Fourier
-/// torus is; this is for gaps up to a thirtieth of the longer side.
+/// 100 a cell for one law on large grids, 140 for a law a cell; the gate counts, breaks and ceilings do not. The holes
+/// in the data decide how large the Fourier torus is; this is for gaps up to a thirtieth of the longer side.
 std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies);
 
 /// The side of the largest square grid that fits in so many bytes, a multiple of 64; 0 if none does.

@@ -138,6 +138,26 @@ TEST(RobustConditional, ALawForEveryCellIsTheLaw) {
   for (std::size_t i = 0; i < one->mean_m.size(); ++i) ASSERT_NEAR(one->mean_m[i], map->mean_m[i], 0.02) << i;
 }
 
+TEST(RobustConditional, IsTheSameWithAnyThreads) {
+  class Backwards final : public Executor {
+    void for_ranges(int count, const std::function<void(int, int)>& body) override {
+      for (int i = count; i-- > 0;) body(i, i + 1);
+    }
+  } backwards;
+  SerialExecutor serial;
+  const ScanScene scene(2.4, 0.5, 64, 100, 40, 6);
+  SurfaceRequest request;
+  request.grid = {64, 64, 1.0};
+  request.law.law = scene.law;
+  const ConditionalOptions options{.residual_fields = 6, .break_edges = true, .ceiling_m = scene.ceiling_m};
+  const auto a = reconstruct_conditional(scene.samples, request, options, serial);
+  const auto b = reconstruct_conditional(scene.samples, request, options, backwards);
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->mean_m, b->mean_m);
+  EXPECT_EQ(a->sd_m, b->sd_m);
+  EXPECT_EQ(a->iterations, b->iterations);
+}
+
 TEST(RobustConditional, CeilingsOfAnotherShapeAreAnError) {
   const SparseScene scene(2.5, 32, 32, 0.2, 1);
   SerialExecutor serial;
