@@ -19,6 +19,7 @@ constexpr std::array kSections = {
     Section{"conditional", conditional_section},
     Section{"varying", varying_section},
     Section{"speed", speed_section},
+    Section{"large", large_section},
     Section{"delaunay", delaunay_section},
     Section{"polyhedron", polyhedron_section},
     Section{"barycentre", barycentre_section},

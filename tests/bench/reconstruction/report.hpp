@@ -12,6 +12,7 @@ inline std::string pictures;
 
 void conditional_section();
 void varying_section();
+void large_section();
 void delaunay_section();
 void polyhedron_section();
 void barycentre_section();
