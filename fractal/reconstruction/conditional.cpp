@@ -92,7 +92,9 @@ void ConditionalReconstructor::Solver::start_mean(const Grid<float>& height_m, W
   }
 }
 
-/// First guess u − last residual: what changes from frame to frame is little. In the margin u is a copy of the border.
+/// First guess u − last residual: what changes from frame to frame is little. Without one, u: a residual of nothing is
+/// rough but small, and nearer than the smooth and large solution is to nothing. In the margin u is a copy of the
+/// border.
 void ConditionalReconstructor::Solver::start_residual(int k, const LatticeWindow& window, Workspace& work) const {
   const MultigridShape& shape = problem.shape();
   const CellIndex centre{min.x + shape.columns / 2, min.y + shape.rows / 2};
@@ -111,8 +113,8 @@ void ConditionalReconstructor::Solver::start_residual(int k, const LatticeWindow
   }
   problem.residual_problem(work.u, work.b);
   const KeptSolution& last = kept[static_cast<std::size_t>(k) + 1];
-  if (!last.overlaps(min, shape.rows, shape.columns)) return work.x.resize(shape.rows, shape.columns);
-  work.x.reshape(shape.rows, shape.columns);
+  work.x = work.u;
+  if (!last.overlaps(min, shape.rows, shape.columns)) return;
   const auto scale = static_cast<float>(1.0 / problem.unit_m());
   for (int r = 0; r < shape.rows; ++r) {
     float* x = work.x.row(r);

@@ -8,11 +8,9 @@ namespace scree::fractal {
 
 void VCycle::resize(const BlendOperator& matrix) {
   buffers_.resize(matrix.levels().size());
-  for (std::size_t l = 0; l < buffers_.size(); ++l) {
+  for (std::size_t l = 1; l < buffers_.size(); ++l) {
     const PaddedField& shape = matrix.levels()[l].transfer;
-    buffers_[l].z.reshape(shape.rows(), shape.columns());
-    if (l == 0) continue;
-    for (PaddedField* field : {&buffers_[l].b, &buffers_[l].x}) field->reshape(shape.rows(), shape.columns());
+    for (PaddedField* field : {&buffers_[l].b, &buffers_[l].z}) field->reshape(shape.rows(), shape.columns());
   }
   const auto columns = static_cast<std::size_t>(matrix.levels().front().transfer.columns());
   ring_.resize(4 * columns);
@@ -25,29 +23,27 @@ double VCycle::apply(const BlendOperator& matrix, const PaddedField& r, PaddedFi
 
 double VCycle::apply(const BlendOperator& matrix, const Advance& advance, PaddedField& r, PaddedField& z) {
   const BlendOperator::Level& level = matrix.levels().front();
-  PaddedField& smoothed = buffers_.front().z;
   const auto smooth = [&](int row) {
     advance_row(advance.alpha, advance.p->row(row), advance.q->row(row), level.smoother_factor(),
-                level.smoother_row(row), advance.x->row(row), r.row(row), smoothed.row(row), r.columns());
+                level.smoother_row(row), advance.x->row(row), r.row(row), z.row(row), r.columns());
   };
   if (buffers_.size() == 1) {
     for (int row = 0; row < r.rows(); ++row) smooth(row);
     return solve_coarsest(matrix, r, z);
   }
-  down(matrix, 0, r, smooth);
-  cycle(matrix, 1, buffers_[1].b, buffers_[1].x);
+  down(matrix, 0, r, z, smooth);
+  cycle(matrix, 1, buffers_[1].b, buffers_[1].z);
   return up(matrix, 0, r, z);
 }
 
-double VCycle::cycle(const BlendOperator& matrix, std::size_t l, const PaddedField& b, PaddedField& x) {
-  if (l + 1 == buffers_.size()) return solve_coarsest(matrix, b, x);
+double VCycle::cycle(const BlendOperator& matrix, std::size_t l, const PaddedField& b, PaddedField& z) {
+  if (l + 1 == buffers_.size()) return solve_coarsest(matrix, b, z);
   const BlendOperator::Level& level = matrix.levels()[l];
-  PaddedField& z = buffers_[l].z;
-  down(matrix, l, b, [&](int row) {
+  down(matrix, l, b, z, [&](int row) {
     scaled_product_row(level.smoother_factor(), level.smoother_row(row), b.row(row), z.row(row), z.columns());
   });
-  cycle(matrix, l + 1, buffers_[l + 1].b, buffers_[l + 1].x);
-  return up(matrix, l, b, x);
+  cycle(matrix, l + 1, buffers_[l + 1].b, buffers_[l + 1].z);
+  return up(matrix, l, b, z);
 }
 
 /// What row `row` of S·(b − A·z) completes of the coarse right-hand side; the last four rows are in the ring.
@@ -63,9 +59,9 @@ void VCycle::restrict_rows(int row, int rows, int stride, PaddedField& coarse) {
 }
 
 template <class Smooth>
-void VCycle::down(const BlendOperator& matrix, std::size_t l, const PaddedField& b, const Smooth& smooth) {
+void VCycle::down(const BlendOperator& matrix, std::size_t l, const PaddedField& b, PaddedField& z,
+                  const Smooth& smooth) {
   const BlendOperator::Level& level = matrix.levels()[l];
-  PaddedField& z = buffers_[l].z;
   const int rows = z.rows(), columns = z.columns();
   operator_.start(level, z);
   for (int ahead = 0; ahead < rows + 2; ++ahead) {
@@ -82,40 +78,43 @@ void VCycle::down(const BlendOperator& matrix, std::size_t l, const PaddedField&
   }
 }
 
-double VCycle::up(const BlendOperator& matrix, std::size_t l, const PaddedField& b, PaddedField& x) {
+double VCycle::up(const BlendOperator& matrix, std::size_t l, const PaddedField& b, PaddedField& z) {
   const BlendOperator::Level& level = matrix.levels()[l];
-  PaddedField& z = buffers_[l].z;
-  const PaddedField& coarse = buffers_[l + 1].x;
+  const PaddedField& coarse = buffers_[l + 1].z;
   const int rows = z.rows(), columns = z.columns();
+  const auto corrected = [&](int row) { return ring_.data() + static_cast<std::ptrdiff_t>(row % 3) * columns; };
   double product = 0.0;
   operator_.start(level, z);
-  for (int ahead = 0; ahead < rows + 2; ++ahead) {
+  for (int ahead = 0; ahead < rows + 4; ++ahead) {
     if (ahead < rows) {
       const int near = ahead / 2, away = ahead % 2 == 0 ? near - 1 : near + 1;
       prolong_row(coarse.row(near), coarse.reflected(away), level.transfer.row(ahead), line_.data(), z.row(ahead),
                   coarse.columns());
       z.reflect_columns(ahead);
     }
-    const int row = ahead - 2;
-    if (row < 0) continue;
-    operator_.residual(row, b.row(row), line_.data());
-    product += correct_row(level.smoother_factor(), level.smoother_row(row), line_.data(), z.row(row), b.row(row),
-                           x.row(row), columns);
-    x.reflect_columns(row);
+    const int row = ahead - 2, done = ahead - 4;
+    if (row >= 0 && row < rows) operator_.residual(row, b.row(row), line_.data());
+    if (done >= 0) {
+      std::copy_n(corrected(done), columns, z.row(done));
+      z.reflect_columns(done);
+    }
+    if (row >= 0 && row < rows)
+      product += correct_row(level.smoother_factor(), level.smoother_row(row), line_.data(), z.row(row), b.row(row),
+                             corrected(row), columns);
   }
   return product;
 }
 
-double VCycle::solve_coarsest(const BlendOperator& matrix, const PaddedField& b, PaddedField& x) {
+double VCycle::solve_coarsest(const BlendOperator& matrix, const PaddedField& b, PaddedField& z) {
   direct_.clear();
   for (int r = 0; r < b.rows(); ++r) direct_.insert(direct_.end(), b.row(r), b.row(r) + b.columns());
   matrix.coarsest().solve(direct_, direct_work_);
   auto from = direct_.cbegin();
   double product = 0.0;
-  for (int r = 0; r < x.rows(); ++r) {
-    for (int c = 0; c < x.columns(); ++c) x.row(r)[c] = static_cast<float>(*from++);
-    x.reflect_columns(r);
-    product += dot_row(b.row(r), x.row(r), x.columns());
+  for (int r = 0; r < z.rows(); ++r) {
+    for (int c = 0; c < z.columns(); ++c) z.row(r)[c] = static_cast<float>(*from++);
+    z.reflect_columns(r);
+    product += dot_row(b.row(r), z.row(r), z.columns());
   }
   return product;
 }

@@ -29,14 +29,15 @@ class VCycle {
 
  private:
   struct Buffers {
-    PaddedField z, b, x;  // smoothed once; right-hand side and result of the coarser levels
+    PaddedField b, z;  // right-hand side and result of a coarser level
   };
-  double cycle(const BlendOperator& matrix, std::size_t level, const PaddedField& b, PaddedField& x);
+  double cycle(const BlendOperator& matrix, std::size_t level, const PaddedField& b, PaddedField& z);
   /// Everything after the first smoothing of rows, which `smooth(row)` does.
   template <class Smooth>
-  void down(const BlendOperator& matrix, std::size_t level, const PaddedField& b, const Smooth& smooth);
-  double up(const BlendOperator& matrix, std::size_t level, const PaddedField& b, PaddedField& x);
-  double solve_coarsest(const BlendOperator& matrix, const PaddedField& b, PaddedField& x);
+  void down(const BlendOperator& matrix, std::size_t level, const PaddedField& b, PaddedField& z, const Smooth& smooth);
+  /// In place: a row is corrected in a ring and written when nobody looks at what it was.
+  double up(const BlendOperator& matrix, std::size_t level, const PaddedField& b, PaddedField& z);
+  double solve_coarsest(const BlendOperator& matrix, const PaddedField& b, PaddedField& z);
   void restrict_rows(int row, int rows, int stride, PaddedField& coarse);
 
   std::vector<Buffers> buffers_;

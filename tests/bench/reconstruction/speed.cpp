@@ -41,13 +41,11 @@ struct Setting {
   }
   void load() { problem.load(scene.height, scene.variance, law, {0, 0}, kSceneCellM); }
 
-  void solve() {
-    x.resize(x.rows(), x.columns());
-    iterations = solver.solve(problem.matrix(), b, problem.tolerance(0.05), 60, x).iterations;
-  }
+  void solve() { iterations = solver.solve(problem.matrix(), b, problem.tolerance(0.05), 60, x).iterations; }
   void mean() {
     load();
     problem.mean_problem(scene.height, b);
+    x.resize(x.rows(), x.columns());
     solve();
   }
   void residual_problem() {
@@ -59,6 +57,7 @@ struct Setting {
   }
   void draw() {
     residual_problem();
+    x = u;
     solve();
   }
   /// The same draw by plain loops, its levels set up too as for a mean.
@@ -71,10 +70,11 @@ struct Setting {
                           blend_weights(scene.law.dimension, blend_wavenumber(scene.law.dimension, spacing)),
                           precision);
       problem.mean_problem(scene.height, b);
+      x.resize(x.rows(), x.columns());
     } else {
       residual_problem();
+      x = u;
     }
-    x.resize(x.rows(), x.columns());
     plain_solver.solve(plain_matrix, b, problem.tolerance(0.05), 60, x);
   }
 };
@@ -211,9 +211,12 @@ void sizes() {
     }
     one.plain_solve(true);
     one.residual_problem();
-    const auto times = times_of({[&] { one.solve(); },
+    const auto times = times_of({[&] {
+                                   one.x = one.u;
+                                   one.solve();
+                                 },
                                  [&] {
-                                   one.x.resize(one.x.rows(), one.x.columns());
+                                   one.x = one.u;
                                    one.plain_solver.solve(one.plain_matrix, one.b, 0.05, 60, one.x);
                                  }});
     const double cells = kSides[i] * kSides[i];
