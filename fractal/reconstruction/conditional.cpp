@@ -7,6 +7,7 @@
 
 #include "fractal/fourier.hpp"
 #include "fractal/reconstruction/band_tiles.hpp"
+#include "fractal/reconstruction/cold_start.hpp"
 #include "fractal/reconstruction/conditioning.hpp"
 #include "fractal/reconstruction/kept_solution.hpp"
 #include "fractal/reconstruction/residual_tile.hpp"
@@ -64,7 +65,7 @@ struct ConditionalReconstructor::Solver {
   int fields() const { return static_cast<int>(kept.size()) - 1; }
   void prepare_fields(const LawMap& law, const LatticeWindow& window);
   void start_mean(const Grid<float>& height_m, Workspace& work) const;
-  void start_residual(int k, const LatticeWindow& window, Workspace& work) const;
+  double start_residual(int k, const LatticeWindow& window, Workspace& work) const;
   void keep(int task, const Workspace& work);
   void solve(int task, const Grid<float>& height_m, const LatticeWindow& window);
   void write(const LatticeWindow& window, Reconstruction& out) const;
@@ -92,10 +93,9 @@ void ConditionalReconstructor::Solver::start_mean(const Grid<float>& height_m, W
   }
 }
 
-/// First guess u − last residual: what changes from frame to frame is little. Without one, u: a residual of nothing is
-/// rough but small, and nearer than the smooth and large solution is to nothing. In the margin u is a copy of the
-/// border.
-void ConditionalReconstructor::Solver::start_residual(int k, const LatticeWindow& window, Workspace& work) const {
+/// First guess u − last residual: what changes from frame to frame is little. In the margin u is a copy of the border.
+/// Returns the tolerance of the solve.
+double ConditionalReconstructor::Solver::start_residual(int k, const LatticeWindow& window, Workspace& work) const {
   const MultigridShape& shape = problem.shape();
   const CellIndex centre{min.x + shape.columns / 2, min.y + shape.rows / 2};
   for (PaddedField* field : {&work.u, &work.b}) field->reshape(shape.rows, shape.columns);
@@ -113,8 +113,11 @@ void ConditionalReconstructor::Solver::start_residual(int k, const LatticeWindow
   }
   problem.residual_problem(work.u, work.b);
   const KeptSolution& last = kept[static_cast<std::size_t>(k) + 1];
-  work.x = work.u;
-  if (!last.overlaps(min, shape.rows, shape.columns)) return;
+  if (!last.overlaps(min, shape.rows, shape.columns)) {
+    start_from_means(work.u, problem.spacing_cells(), work.x);
+    return problem.cold_tolerance(config.tolerance);
+  }
+  work.x.reshape(shape.rows, shape.columns);
   const auto scale = static_cast<float>(1.0 / problem.unit_m());
   for (int r = 0; r < shape.rows; ++r) {
     float* x = work.x.row(r);
@@ -122,6 +125,7 @@ void ConditionalReconstructor::Solver::start_residual(int k, const LatticeWindow
     last.shifted_row(min, r, shape.columns, x);
     for (int i = 0; i < shape.columns; ++i) x[i] = u[i] - scale * x[i];
   }
+  return problem.tolerance(config.tolerance);
 }
 
 void ConditionalReconstructor::Solver::keep(int task, const Workspace& work) {
@@ -143,12 +147,13 @@ void ConditionalReconstructor::Solver::keep(int task, const Workspace& work) {
 
 void ConditionalReconstructor::Solver::solve(int task, const Grid<float>& height_m, const LatticeWindow& window) {
   std::unique_ptr<Workspace> work = workspaces.take();
+  double tolerance = problem.tolerance(config.tolerance);
   if (task == 0)
     start_mean(height_m, *work);
   else
-    start_residual(task - 1, window, *work);
-  reports[static_cast<std::size_t>(task)] = work->solver.solve(
-      problem.matrix(), work->b, problem.tolerance(config.tolerance), config.max_iterations, work->x);
+    tolerance = start_residual(task - 1, window, *work);
+  reports[static_cast<std::size_t>(task)] =
+      work->solver.solve(problem.matrix(), work->b, tolerance, config.max_iterations, work->x);
   keep(task, *work);
   workspaces.give(std::move(work));
 }

@@ -85,14 +85,14 @@ bool Conditioning::load(const Grid<float>& height_m, const Grid<float>& variance
   unit_m_ = std::max(law.law.rms_change_m(cell_m), 1e-9);
   const auto [measured, base_m] = known_heights(height_m);
   if (measured == 0) return false;
-  const double spacing = std::sqrt(static_cast<double>(height_m.size()) / static_cast<double>(measured));
+  spacing_ = std::sqrt(static_cast<double>(height_m.size()) / static_cast<double>(measured));
   prior_.right = prior_.down = PaddedField();
   if (law.varies()) {
     smoothest_ =
-        varying_prior(law, {min, height_m.rows(), height_m.columns()}, {unit_m_, cell_m, spacing}, shape_, prior_);
+        varying_prior(law, {min, height_m.rows(), height_m.columns()}, {unit_m_, cell_m, spacing_}, shape_, prior_);
   } else {
     prior_ = {};
-    prior_.uniform = blend_weights(dimension_, blend_wavenumber(dimension_, spacing));
+    prior_.uniform = blend_weights(dimension_, blend_wavenumber(dimension_, spacing_));
     smoothest_ = dimension_;
   }
   set_precision(height_m, variance_m2, base_m);

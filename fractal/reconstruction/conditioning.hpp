@@ -29,8 +29,12 @@ class Conditioning {
   double dimension() const { return dimension_; }
   /// c, > 0 where measured.
   const float* precision(int row) const { return precision_.row(row); }
-  /// The smoother the ground, the more of the error is in waves that r·z hardly sees: at most .02 where any D < 2.3.
+  /// The smoother the ground, the more of the error is in waves that r·z hardly sees: at most .02 where any D < 2.3. A
+  /// residual field without a last solution is solved for more closely: what its error does to the variance has a sign.
   double tolerance(double wanted) const { return smoothest_ < 2.3 ? std::min(0.02, wanted) : wanted; }
+  double cold_tolerance(double wanted) const { return std::min(smoothest_ < 2.3 ? 0.01 : 0.02, wanted); }
+  /// Of the data, 1/√(share of measured cells).
+  double spacing_cells() const { return spacing_; }
 
   /// A·x = b for the mean, in units less the level.
   void mean_problem(const Grid<float>& height_m, PaddedField& b) const;
@@ -46,7 +50,7 @@ class Conditioning {
   BlendField prior_;
   PaddedField precision_, root_;  ///< c, √c
   double weight_ = 1.0;           ///< sum of c
-  double unit_m_ = 1.0, level_m_ = 0.0, dimension_ = 2.5, smoothest_ = 2.5;
+  double unit_m_ = 1.0, level_m_ = 0.0, dimension_ = 2.5, smoothest_ = 2.5, spacing_ = 1.0;
 };
 
 }  // namespace scree::fractal

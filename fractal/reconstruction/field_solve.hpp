@@ -3,6 +3,7 @@
 
 #include "core/random.hpp"
 #include "fractal/reconstruction/ceiling_push.hpp"
+#include "fractal/reconstruction/cold_start.hpp"
 #include "fractal/reconstruction/conditioning.hpp"
 #include "fractal/reconstruction/residual_fields.hpp"
 
@@ -20,7 +21,7 @@ struct FieldSolve {
   void run(const Conditioning& problem, const ResidualFields& fields, int k, const SurfaceRequest& request,
            double tolerance, int max_iterations) {
     const MultigridShape& shape = problem.shape();
-    for (PaddedField* field : {&u, &b, &x}) field->resize(shape.rows, shape.columns);
+    for (PaddedField* field : {&u, &b}) field->resize(shape.rows, shape.columns);
     fields.make(k, u);
     for (int r = 0; r < request.grid.rows; ++r)
       for (int c = 0; c < request.grid.columns; ++c)
@@ -28,7 +29,8 @@ struct FieldSolve {
           b.row(r)[c] =
               static_cast<float>(random_normals(request.seed, kNoiseStream + static_cast<std::uint64_t>(k), c, r)[0]);
     problem.residual_problem(u, b);
-    report = solver.solve(problem.matrix(), b, problem.tolerance(tolerance), max_iterations, x);
+    start_from_means(u, problem.spacing_cells(), x);
+    report = solver.solve(problem.matrix(), b, problem.cold_tolerance(tolerance), max_iterations, x);
   }
 
   /// And then below the ceilings: push.delta() is what that adds to mean + u − x.

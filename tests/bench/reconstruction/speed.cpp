@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/random.hpp"
+#include "fractal/reconstruction/cold_start.hpp"
 #include "fractal/reconstruction/conditional.hpp"
 #include "fractal/reconstruction/conditioning.hpp"
 #include "fractal/reconstruction/residual_tile.hpp"
@@ -41,12 +42,12 @@ struct Setting {
   }
   void load() { problem.load(scene.height, scene.variance, law, {0, 0}, kSceneCellM); }
 
-  void solve() { iterations = solver.solve(problem.matrix(), b, problem.tolerance(0.05), 60, x).iterations; }
+  void solve(double tolerance) { iterations = solver.solve(problem.matrix(), b, tolerance, 60, x).iterations; }
   void mean() {
     load();
     problem.mean_problem(scene.height, b);
     x.resize(x.rows(), x.columns());
-    solve();
+    solve(problem.tolerance(0.05));
   }
   void residual_problem() {
     for (int r = 0; r < u.rows(); ++r) {
@@ -57,8 +58,8 @@ struct Setting {
   }
   void draw() {
     residual_problem();
-    x = u;
-    solve();
+    start_from_means(u, problem.spacing_cells(), x);
+    solve(problem.cold_tolerance(0.05));
   }
   /// The same draw by plain loops, its levels set up too as for a mean.
   void plain_solve(bool set_up) {
@@ -73,9 +74,9 @@ struct Setting {
       x.resize(x.rows(), x.columns());
     } else {
       residual_problem();
-      x = u;
+      start_from_means(u, problem.spacing_cells(), x);
     }
-    plain_solver.solve(plain_matrix, b, problem.tolerance(0.05), 60, x);
+    plain_solver.solve(plain_matrix, b, set_up ? problem.tolerance(0.05) : problem.cold_tolerance(0.05), 60, x);
   }
 };
 
@@ -212,12 +213,12 @@ void sizes() {
     one.plain_solve(true);
     one.residual_problem();
     const auto times = times_of({[&] {
-                                   one.x = one.u;
-                                   one.solve();
+                                   start_from_means(one.u, one.problem.spacing_cells(), one.x);
+                                   one.solve(0.02);
                                  },
                                  [&] {
-                                   one.x = one.u;
-                                   one.plain_solver.solve(one.plain_matrix, one.b, 0.05, 60, one.x);
+                                   start_from_means(one.u, one.problem.spacing_cells(), one.x);
+                                   one.plain_solver.solve(one.plain_matrix, one.b, 0.02, 60, one.x);
                                  }});
     const double cells = kSides[i] * kSides[i];
     fused[i] = 1e6 * times[0].cpu_ms / cells;
