@@ -16,7 +16,7 @@ struct ReconstructionConfig {
   int max_cells = 512;  ///< largest side of a window; the random fields repeat every 1.5 × this (2 × of varying laws)
   std::uint64_t seed = 1;
   double tolerance =
-      0.05;  ///< stop when r·z < tolerance² · cells (at most 0.02 below D = 2.3, 0.02 and 0.01 for cold fields)
+      0.05;  ///< stop when r·z < tolerance² · cells (at most 0.02 below D = 2.3; cold fields: conditioning.hpp)
   int max_iterations = 60;
   int residual_fields = 1;  ///< K ≥ 1, kept from frame to frame; the draw is made from the first
 };

@@ -32,7 +32,9 @@ class Conditioning {
   /// The smoother the ground, the more of the error is in waves that r·z hardly sees: at most .02 where any D < 2.3. A
   /// residual field without a last solution is solved for more closely: what its error does to the variance has a sign.
   double tolerance(double wanted) const { return smoothest_ < 2.3 ? std::min(0.02, wanted) : wanted; }
-  double cold_tolerance(double wanted) const { return std::min(smoothest_ < 2.3 ? 0.01 : 0.02, wanted); }
+  double cold_tolerance(double wanted) const {
+    return std::min(smoothest_ < 2.35 ? 0.005 : smoothest_ < 2.45 ? 0.01 : 0.02, wanted);
+  }
   /// Of the data, 1/√(share of measured cells).
   double spacing_cells() const { return spacing_; }
 

@@ -11,9 +11,8 @@
 namespace scree::fractal {
 
 struct ConditionalOptions {
-  int residual_fields = 8;  ///< K ≥ 1 behind the standard deviation; at least as many as draws are made
-  double tolerance =
-      0.05;  ///< stop at r·z < tolerance²·cells (at most 0.02 where any D < 2.3; of fields 0.02 and 0.01)
+  int residual_fields = 8;    ///< K ≥ 1 behind the standard deviation; at least as many as draws are made
+  double tolerance = 0.05;    ///< stop at r·z < tolerance²·cells (at most 0.02 where any D < 2.3; of fields less)
   int max_iterations = 200;   ///< cycles of one solve
   bool gate_outliers = true;  ///< leave out data that neither ground of the law nor their neighbours explain
   bool break_edges = false;   ///< let the surface break at cliffs and rocks, and say there how little is known
