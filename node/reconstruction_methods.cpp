@@ -74,19 +74,35 @@ std::size_t free_memory_bytes() {
   return 0;
 }
 
-/// The default method's need; that of the others is about the same (kriging, for few cells, checks its own).
-Status check_memory(const fractal::SurfaceRequest& request) {
+/// Refining triangles is its own; the need of the others is about that of the default (kriging, for few cells, checks
+/// its own).
+std::size_t needed_bytes(const std::string& method, const PlacedSurvey& placed, const fractal::SurfaceRequest& request,
+                         const MethodOptions& options) {
   const auto& [rows, columns, cell_m] = request.grid;
-  const bool varies = request.law.varies();
-  const std::size_t needed = fractal::conditional_memory_bytes(rows, columns, varies), free = free_memory_bytes();
+  if (method != "barycentre") return fractal::conditional_memory_bytes(rows, columns, request.law.varies());
+  constexpr std::int64_t kGrids = 24;  // bytes a cell: mean, sd, and up to four realisations
+  const std::int64_t cells = std::int64_t{rows} * columns;
+  const std::int64_t last = options.barycentre_law == "corrected" ? cells : 0;
+  const std::int64_t points =
+      static_cast<std::int64_t>(placed.samples.size()) + options.insertions.value_or(cells) + last;
+  return static_cast<std::size_t>(fractal::barycentre_bytes(points, request.draws) + kGrids * cells);
+}
+
+Status check_memory(const std::string& method, const PlacedSurvey& placed, const fractal::SurfaceRequest& request,
+                    const MethodOptions& options) {
+  const std::size_t needed = needed_bytes(method, placed, request, options), free = free_memory_bytes();
   if (free == 0 || needed <= free) return {};
   constexpr double kGigabyte = 1e9;
-  const int side = fractal::largest_conditional_side(free, varies);
+  const auto& [rows, columns, cell_m] = request.grid;
+  std::string remedy = "choose larger cells, a smaller --extent or fewer --insertions";
+  if (method != "barycentre") {
+    const int side = fractal::largest_conditional_side(free, request.law.varies());
+    remedy = fmt::format("enough for {} x {}; choose larger cells or a smaller --extent", side, side);
+  }
   return Error{ErrorKind::bad_data,
-               fmt::format("expected {:.1f} GB of free memory for {} x {} cells, found {:.1f} GB: enough for {} x {}; "
-                           "choose larger cells or a smaller --extent",
+               fmt::format("expected {:.1f} GB of free memory for {} x {} cells, found {:.1f} GB: {}",
                            static_cast<double>(needed) / kGigabyte, rows, columns,
-                           static_cast<double>(free) / kGigabyte, side, side)};
+                           static_cast<double>(free) / kGigabyte, remedy)};
 }
 
 Result<SurfaceEstimate> by_triangles(const std::string& method, const PlacedSurvey& placed,
@@ -95,9 +111,10 @@ Result<SurfaceEstimate> by_triangles(const std::string& method, const PlacedSurv
   if (method == "polyhedron")
     return fractal::reconstruct_polyhedron(placed.samples, request, {.iterations = options.iterations.value_or(0)},
                                            executor);
-  fractal::BarycentreOptions barycentre;
+  const bool corrected = options.barycentre_law == "corrected";
+  fractal::BarycentreOptions barycentre = corrected ? fractal::corrected_barycentre() : fractal::BarycentreOptions{};
   barycentre.insertions = options.insertions.value_or(barycentre.insertions);
-  if (options.barycentre_law) barycentre.law = barycentre_law(*options.barycentre_law).value_or(barycentre.law);
+  if (options.barycentre_law && !corrected) barycentre.law = *barycentre_law(*options.barycentre_law);
   if (options.regions) {
     auto centres = read_regions(*options.regions, placed);
     if (!centres) return centres.error();
@@ -165,9 +182,9 @@ Status check_method_options(const std::string& method, const MethodOptions& opti
                  fmt::format("--temperature: expected empirical, formula, closed-form or square metres of at least 0, "
                              "found '{}'",
                              *options.temperature)};
-  if (options.barycentre_law && !barycentre_law(*options.barycentre_law))
-    return Error{ErrorKind::usage, fmt::format("--barycentre-law: expected published, exact-variance, conditional or "
-                                               "neighbours, found '{}'",
+  if (options.barycentre_law && options.barycentre_law != "corrected" && !barycentre_law(*options.barycentre_law))
+    return Error{ErrorKind::usage, fmt::format("--barycentre-law: expected published, exact-variance, conditional, "
+                                               "neighbours or corrected, found '{}'",
                                                *options.barycentre_law)};
   return {};
 }
@@ -176,7 +193,7 @@ Result<SurfaceAnswer> reconstruct_surface(const std::string& method, const Place
                                           const fractal::SurfaceRequest& request, const MethodOptions& options,
                                           Executor& executor) {
   const auto begin = std::chrono::steady_clock::now();
-  if (Status status = check_memory(request); !status) return status.error();
+  if (Status status = check_memory(method, placed, request, options); !status) return status.error();
   const bool triangles = method == "polyhedron" || method == "barycentre";
   const fractal::CellSamples cells = fractal::bin_samples(placed.samples, request.grid, request.law);
   auto estimate = triangles                 ? by_triangles(method, placed, request, options, executor)

@@ -14,16 +14,17 @@ namespace scree::node {
 
 /// Options that only some methods have; none = the method's default.
 struct MethodOptions {
-  std::optional<std::string> temperature;     ///< szeliski
-  std::optional<int> sweeps;                  ///< szeliski
-  std::optional<int> iterations;              ///< polyhedron
-  std::optional<std::int64_t> insertions;     ///< barycentre
-  std::optional<std::string> barycentre_law;  ///< barycentre: published, exact-variance, conditional, neighbours
-  std::optional<std::string> regions;         ///< barycentre: a table of centres (CSV: x_m,y_m,dimension,amplitude_m)
-  std::optional<int> fields;                  ///< conditional: residual fields behind the sd
-  bool keep_outliers = false;                 ///< conditional: no gate
-  bool breaks = false;                        ///< conditional: line process
-  std::optional<std::string> ceiling;         ///< conditional: a raster of rays' heights
+  std::optional<std::string> temperature;  ///< szeliski
+  std::optional<int> sweeps;               ///< szeliski
+  std::optional<int> iterations;           ///< polyhedron
+  std::optional<std::int64_t> insertions;  ///< barycentre
+  std::optional<std::string>
+      barycentre_law;                  ///< barycentre: published, exact-variance, conditional, neighbours, corrected
+  std::optional<std::string> regions;  ///< barycentre: a table of centres (CSV: x_m,y_m,dimension,amplitude_m)
+  std::optional<int> fields;           ///< conditional: residual fields behind the sd
+  bool keep_outliers = false;          ///< conditional: no gate
+  bool breaks = false;                 ///< conditional: line process
+  std::optional<std::string> ceiling;  ///< conditional: a raster of rays' heights
 };
 
 struct SurfaceAnswer {

@@ -168,7 +168,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option("--barycentre-law", options.barycentre_law,
                   "barycentre: how a height follows from its triangle; default published")
-      ->type_name("published|exact-variance|conditional|neighbours");
+      ->type_name("published|exact-variance|conditional|neighbours|corrected");
   command
       .add_option("--regions", options.regions,
                   "barycentre: centres with laws of their own; x_m,y_m,dimension,amplitude_m")

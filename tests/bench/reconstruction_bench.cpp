@@ -72,14 +72,14 @@ void quality(benchmark::State& state) {
   for (auto _ : state)
     for (std::uint64_t surface = 0; surface < kSurfaces; ++surface) {
       const SparseScene scene(law.dimension, kSide, kSide, 0.05, surface);
-      const double target = yokoya(scene.truth);
+      const double target = axis_dimension(scene.truth);
       Grid<float> sum2(kSide, kSide, 0.0F), mean;
       for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
         ConditionalReconstructor reconstructor({.cell_m = kSceneCellM, .max_cells = kSide, .seed = seed});
         Reconstruction out;
         reconstructor.reconstruct(scene.height, scene.variance, {{0, 0}, kSide, kSide}, law, serial, out);
         mean = out.mean_m;
-        roughness += (yokoya(out.draw_m) - target) / (kDraws * kSurfaces);
+        roughness += (axis_dimension(out.draw_m) - target) / (kDraws * kSurfaces);
         for (std::size_t i = 0; i < mean.size(); ++i) {
           sum2[i] += std::pow(out.draw_m[i] - mean[i], 2.0F);
           if (std::isnan(scene.height[i])) draw2 += std::pow((out.draw_m[i] - scene.truth[i]) / unit, 2) / kDraws;

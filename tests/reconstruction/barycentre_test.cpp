@@ -200,14 +200,14 @@ TEST(Barycentre, PublishedIsTooSmoothAndCorrectedIsNot) {
   for (std::uint64_t seed = 0; seed < 2; ++seed) {
     ScatteredScene scene(2.5, 128, 0.05, seed);
     scene.add_border();
-    const double target = yokoya(scene.truth);
+    const double target = axis_dimension(scene.truth);
     const auto roughness = [&](const BarycentreOptions& options) {
       double sum = 0.0;
       for (const Grid<float>& draw : draws_of(scene.request, [&](const SurfaceRequest& request) {
              SerialExecutor serial;
              return reconstruct_barycentre(scene.samples, request, options, serial);
            }))
-        sum += yokoya(draw) - target;
+        sum += axis_dimension(draw) - target;
       return sum / 3.0;
     };
     published += roughness({}) / 2.0;

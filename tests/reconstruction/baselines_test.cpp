@@ -158,7 +158,7 @@ TEST(Yokoya, DrawsAreAboutAsRoughAsTheGround) {
     std::vector<Grid<float>> draws;
     keep_draws(request, draws);
     ASSERT_TRUE(reconstruct_yokoya(scene.samples, request, serial));
-    EXPECT_NEAR(yokoya(draws[0]) - yokoya(scene.truth), expected, 0.04) << dimension;
+    EXPECT_NEAR(axis_dimension(draws[0]) - axis_dimension(scene.truth), expected, 0.04) << dimension;
   }
 }
 

@@ -45,12 +45,12 @@ TEST(Reconstruction, DrawsAreAsRoughAsTheGround) {
     double smooth = 0.0;
     for (std::uint64_t surface = 0; surface < 2; ++surface) {
       const SparseScene scene(dimension, 160, 160, 0.05, surface);
-      const double target = yokoya(scene.truth);
+      const double target = axis_dimension(scene.truth);
       for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         const Reconstruction out = reconstruct(scene, seed);
         ASSERT_TRUE(out.converged);
-        differences.push_back(yokoya(out.draw_m) - target);
-        smooth += (yokoya(out.mean_m) - target) / 8.0;
+        differences.push_back(axis_dimension(out.draw_m) - target);
+        smooth += (axis_dimension(out.mean_m) - target) / 8.0;
       }
     }
     double mean = 0.0, variance = 0.0;

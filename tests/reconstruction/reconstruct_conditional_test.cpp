@@ -51,7 +51,7 @@ TEST(ReconstructConditional, CoversAndIsAsRoughAsTheGround) {
         const SurfaceEstimate out = *reconstruct_conditional(scene.cells(), request, {}, serial);
         EXPECT_TRUE(out.converged);
         ASSERT_EQ(draws.size(), 1u);
-        rougher += 0.5 * (yokoya(draws[0]) - yokoya(scene.truth));
+        rougher += 0.5 * (axis_dimension(draws[0]) - axis_dimension(scene.truth));
         score += score_prediction(scene.truth, out.mean_m, out.sd_m, scene.law.rms_change_m(kSceneCellM),
                                   [&](int r, int c) { return std::isnan(scene.height(r, c)); });
       }

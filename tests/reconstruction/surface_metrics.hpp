@@ -8,25 +8,9 @@
 #include <vector>
 
 #include "core/grid.hpp"
+#include "fractal/axis_dimension.hpp"
 
 namespace scree::fractal {
-
-/// D by the first absolute moment over axis lags 1 … 16, unweighted log–log fit [Y89].
-inline double yokoya(const Grid<float>& z) {
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (int lag = 1; lag <= 16; ++lag) {
-    double sum = 0;
-    int n = 0;
-    for (int r = 0; r < z.rows(); ++r)
-      for (int c = 0; c < z.columns(); ++c) {
-        if (c + lag < z.columns()) sum += std::abs(z(r, c + lag) - z(r, c)), ++n;
-        if (r + lag < z.rows()) sum += std::abs(z(r + lag, c) - z(r, c)), ++n;
-      }
-    const double x = std::log(lag), y = std::log(sum / n);
-    sx += x, sy += y, sxx += x * x, sxy += x * y;
-  }
-  return 3.0 - (sxy - sx * sy / 16) / (sxx - sx * sx / 16);
-}
 
 /// rms height change over `lag` cells along the axes.
 inline double rms_increment(const Grid<float>& z, int lag) {

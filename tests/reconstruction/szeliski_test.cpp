@@ -46,15 +46,15 @@ TEST(Szeliski, DrawsAreAsRoughAsTheClosedFormMakesThemAndRelaxationIsTooSmooth) 
   SerialExecutor serial;
   for (const auto& [dimension, draw, relaxed] : {Case{2.3, .050, -.15}, {2.5, .025, -.28}, {2.7, -.047, -.36}}) {
     const SparseScene scene(dimension, 256, 256, 0.05, 11);
-    const double truth = yokoya(scene.truth);
+    const double truth = axis_dimension(scene.truth);
     SurfaceRequest request = request_for(scene);
     std::vector<Grid<float>> draws;
     keep_draws(request, draws);
     const auto estimate = reconstruct_szeliski(cells_of(scene), request, {.sweeps = 10}, serial);
     ASSERT_TRUE(estimate);
     ASSERT_EQ(draws.size(), 1U);
-    EXPECT_NEAR(yokoya(draws[0]) - truth, draw, 0.03) << dimension;
-    EXPECT_NEAR(yokoya(estimate->mean_m) - truth, relaxed, 0.06) << dimension;
+    EXPECT_NEAR(axis_dimension(draws[0]) - truth, draw, 0.03) << dimension;
+    EXPECT_NEAR(axis_dimension(estimate->mean_m) - truth, relaxed, 0.06) << dimension;
     EXPECT_EQ(estimate->iterations, 10 * 8);
   }
 }

@@ -24,14 +24,14 @@ struct OneSurface {
 
 OneSurface judge(double dimension, std::uint64_t seed) {
   const SparseScene scene(dimension, kSide, kSide, 0.05, seed);
-  const double unit = scene.law.rms_change_m(kSceneCellM), target = yokoya(scene.truth);
+  const double unit = scene.law.rms_change_m(kSceneCellM), target = axis_dimension(scene.truth);
   OneSurface result;
   SurfaceRequest request{{kSide, kSide, kSceneCellM}, {scene.law, {}, {}}, 1, seed + 1000, {}, {}};
   Grid<float> draw;
   request.on_draw = [&](int, const Grid<float>& surface) { draw = surface; };
   SerialExecutor serial;
   const SurfaceEstimate out = *reconstruct_conditional(scene.cells(), request, {.residual_fields = kFields}, serial);
-  result.roughness = yokoya(draw) - target;
+  result.roughness = axis_dimension(draw) - target;
   const Grid<float> distance = distance_to_data(scene.height);
   for (int r = 0; r < kSide; ++r)
     for (int c = 0; c < kSide; ++c) {

@@ -61,7 +61,7 @@ struct MethodScore {
            const Grid<float>* only = nullptr) {
     const double unit = scene.law.rms_change_m(fractal::kSceneCellM);
     const Grid<float> truth = middle(scene.truth), draw = middle(result.draw_m);
-    roughness.add(fractal::yokoya(draw) - fractal::yokoya(truth));
+    roughness.add(fractal::axis_dimension(draw) - fractal::axis_dimension(truth));
     slope.add(fractal::increment_slope(draw, 1, 2) - fractal::increment_slope(truth, 1, 2));
     ms += result.ms / result.surfaces;
     for (int r = kMethodMargin; r < scene.truth.rows() - kMethodMargin; ++r)

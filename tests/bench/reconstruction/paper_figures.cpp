@@ -50,8 +50,8 @@ io::Drawing scaling_plot(const std::string& title, const Surfaces& surfaces) {
   plot.marks.push_back({});
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const auto points = scaling(surfaces[i]);
-    plot.lines.push_back(
-        {points, kColours[i], false, fmt::format("D = {:.1f}, D^ = {:.3f}", kDimensions[i], yokoya(surfaces[i]))});
+    plot.lines.push_back({points, kColours[i], false,
+                          fmt::format("D = {:.1f}, D^ = {:.3f}", kDimensions[i], axis_dimension(surfaces[i]))});
     plot.marks[0].points.insert(plot.marks[0].points.end(), points.begin(), points.end());
   }
   return io::draw_loglog_plot(plot);

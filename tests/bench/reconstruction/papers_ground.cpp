@@ -22,14 +22,14 @@ FractalLaw papers_law(const Grid<float>& surface) {
       }
     sx += std::log(lag), sy += std::log(sum / n);
   }
-  const double dimension = yokoya(surface);
+  const double dimension = axis_dimension(surface);
   const double at_one = std::exp(sy / kLags - (3.0 - dimension) * sx / kLags);
   return {dimension, std::sqrt(std::numbers::pi / 2.0) * at_one};
 }
 
 PapersGround papers_ground(std::string name, Grid<float> truth, const FractalLaw& law, std::uint64_t seed) {
   PapersGround ground{std::move(name), std::move(truth), 0.0, law, {}};
-  ground.dimension = yokoya(ground.truth);
+  ground.dimension = axis_dimension(ground.truth);
   ground.samples = no_cells(ground.truth.rows(), ground.truth.columns());
   const double sigma = std::sqrt(1e-3) * law.amplitude_m;
   for (int r = 0; r < ground.truth.rows(); ++r)
@@ -66,7 +66,8 @@ void reconstruct(const PapersGround& ground, const Temperature& temperature, int
 double papers_dimension(const PapersGround& ground, const Temperature& temperature) {
   constexpr int kDraws = 8;
   double sum = 0.0;
-  reconstruct(ground, temperature, kDraws, [&](int, const Grid<float>& draw_m) { sum += yokoya(draw_m) / kDraws; });
+  reconstruct(ground, temperature, kDraws,
+              [&](int, const Grid<float>& draw_m) { sum += axis_dimension(draw_m) / kDraws; });
   return sum;
 }
 
@@ -78,7 +79,7 @@ double conditional_dimension(const PapersGround& ground) {
   request.law.law = ground.law;
   request.draws = kDraws;
   double sum = 0.0;
-  request.on_draw = [&](int, const Grid<float>& draw_m) { sum += yokoya(draw_m) / kDraws; };
+  request.on_draw = [&](int, const Grid<float>& draw_m) { sum += axis_dimension(draw_m) / kDraws; };
   (void)reconstruct_conditional(ground.samples, request, {}, serial);
   return sum;
 }

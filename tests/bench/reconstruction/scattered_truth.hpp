@@ -71,7 +71,7 @@ inline Judgement judge_scattered(const ScatteredTruth& scene, const ScatteredMet
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &after);
   result.seconds =
       static_cast<double>(after.tv_sec - before.tv_sec) + 1e-9 * static_cast<double>(after.tv_nsec - before.tv_nsec);
-  result.roughness = yokoya(draw) - yokoya(scene.truth);
+  result.roughness = axis_dimension(draw) - axis_dimension(scene.truth);
   for (int r = 0; r < scene.truth.rows(); ++r)
     for (int c = 0; c < scene.truth.columns(); ++c) {
       if (scene.known(r, c)) continue;

@@ -181,7 +181,7 @@ Answer by_one_operator(const Scene& scene, std::uint64_t seed) {
 
 /// D^ and the rms change over a cell of the whole map, as one law.
 LawMap one_law(const Grid<float>& truth) {
-  return {{std::clamp(yokoya(truth), 2.05, 2.95), rms_increment(truth, 1)}, {}, {}};
+  return {{std::clamp(axis_dimension(truth), 2.05, 2.95), rms_increment(truth, 1)}, {}, {}};
 }
 
 constexpr int kZones = 3, kMethods = 4;  // zone 1, transition, zone 2; C0, V1, V2, V2 with its sd map
@@ -222,7 +222,8 @@ Judged judge(const Case& c, std::uint64_t seed) {
   for (int zone = 0; zone < 2; ++zone)
     for (const Grid<float>& draw : answers[2].draws)
       result.roughness[static_cast<std::size_t>(zone)] +=
-          (yokoya(half(draw, zone)) - yokoya(half(scene.truth, zone))) / static_cast<double>(answers[2].draws.size());
+          (axis_dimension(half(draw, zone)) - axis_dimension(half(scene.truth, zone))) /
+          static_cast<double>(answers[2].draws.size());
   return result;
 }
 
