@@ -16,7 +16,7 @@ struct BlendWeights {
 BlendWeights blend_weights(double dimension, double k0);
 
 /// The wavenumber at which a blend of dimension D predicts best from data `spacing_cells` apart. The choice is flat:
-/// 30 % either way costs less than half a percent of RMSE (docs/fractal.md).
+/// 30 % either way costs less than half a percent of RMSE (docs/reconstruction.md).
 double blend_wavenumber(double dimension, double spacing_cells);
 
 }  // namespace scree::fractal

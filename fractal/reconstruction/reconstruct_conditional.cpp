@@ -69,10 +69,11 @@ std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies) {
   const double together = cells > static_cast<double>(ConditionalRun::kSideBySide) ? 1.0 : ConditionalRun::kTogether;
   const double levels = 4.0 / 3.0;
   const double held = 10.0 + 11.0 + 4.0 * 4.0 + (law_varies ? 8.0 : 0.0);  // samples, gated; mean … sd; law
-  const double matrix = 4.0 + 8.0 * levels + (law_varies ? 8.0 + 16.0 * levels : 0.0);
-  const double solve = 4.0 * (3.0 + 4.0) + 4.0 * levels + 8.0 / 3.0;  // u b x, r z p q, levels
-  const double synthesis = 4.0 * cells + 4.0 * side * shape.columns + 2.0 * side * side;
-  const double solving = cells * (held + matrix + together * solve) + together * synthesis;
+  const double matrix = 8.0 + 8.0 * levels + (law_varies ? 8.0 + 16.0 * levels : 0.0);
+  const double amplitudes = law_varies ? 17.4 + 8.0 * levels + 12.0 : 0.0;  // of bands, the law's pyramid, scratch
+  const double solve = 4.0 * (3.0 + 4.0) + 8.0 / 3.0;                       // u b x, r z p q, coarse levels
+  const double synthesis = 4.0 * cells + 4.0 * side * shape.columns + (law_varies ? 4.0 : 2.0) * side * side;
+  const double solving = cells * (held + matrix + amplitudes + together * solve) + together * synthesis;
   const double deviations = cells * (held + 60.0);  // SdMap
   return static_cast<std::size_t>(std::max(solving, deviations));
 }
