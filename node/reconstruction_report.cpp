@@ -63,6 +63,11 @@ std::vector<std::string> reconstruction_remarks(const ReconstructionReport& repo
         fmt::format("{} of {} measured cells are no ground of this law and were left out (BASE.rejected; "
                     "--keep-outliers keeps them)",
                     cells, report.answer.measured_cells));
+  if (report.answer.estimate.law_contradicted)
+    remarks.emplace_back(
+        "law_contradicted: more than a quarter of the samples are no ground of this D and amplitude; all were kept, "
+        "and "
+        "the standard deviation is not to be trusted");
   if (!report.answer.estimate.converged)
     remarks.emplace_back("not converged: the surface is short of its law; are D and the noise right?");
   if (const std::size_t cells = unknown_cells(report); cells > 0)
@@ -98,6 +103,7 @@ std::string reconstruction_json(const ReconstructionReport& report) {
             {"samples_outside", report.placed.outside},
             {"samples_skipped", report.input.skipped},
             {"measured_cells", report.answer.measured_cells},
+            {"law_contradicted", estimate.law_contradicted},
             {"rejected_cells", estimate.rejected_cells},
             {"unknown_cells", unknown_cells(report)},
             {"median_sd_m", number(median_sd_m(report))},

@@ -15,6 +15,8 @@
 namespace scree::fractal {
 namespace {
 
+constexpr double kMostOutliers = 0.25;  ///< share of the measured cells
+
 Status check(const CellSamples& samples, const SurfaceRequest& request, const ConditionalOptions& options) {
   if (Status status = check_surface("conditional", samples, request); !status) return status;
   const SurfaceGrid& grid = request.grid;
@@ -53,12 +55,17 @@ Result<SurfaceEstimate> reconstruct_conditional(const CellSamples& samples, cons
   if (Status status = check(samples, request, options); !status) return status.error();
   if (!options.gate_outliers) return ConditionalRun(samples, request, options).run(executor);
   OutlierReport report = find_outliers(samples, request.grid.cell_m, request.law);
-  if (report.count == 0) return ConditionalRun(samples, request, options).run(executor);
-  const CellSamples left = without_outliers(samples, report);
-  SurfaceEstimate estimate = ConditionalRun(left, request, options).run(executor);
-  estimate.rejected = std::move(report.rejected);
-  estimate.rejected_cells = report.count;
+  // Where that many data are no ground of the law, it is the law that is wrong: nothing may be left out in its name.
+  const bool contradicted = static_cast<double>(report.count) > kMostOutliers * static_cast<double>(report.tested);
+  const bool gated = report.count > 0 && !contradicted;
+  SurfaceEstimate estimate = gated ? ConditionalRun(without_outliers(samples, report), request, options).run(executor)
+                                   : ConditionalRun(samples, request, options).run(executor);
   estimate.iterations += report.iterations;
+  estimate.law_contradicted = contradicted;
+  if (gated) {
+    estimate.rejected = std::move(report.rejected);
+    estimate.rejected_cells = report.count;
+  }
   return estimate;
 }
 

@@ -24,7 +24,8 @@ struct ConditionalOptions {
 /// Mean A⁻¹·c·d with the blend prior (multigrid.hpp); draw k = mean + r_k, residual r_k = u_k − A⁻¹(c·u_k + √c·n_k)
 /// with u_k an unconditional field of the law and n_k white noise: r_k has the law of the mean's true error whatever
 /// the prior [CD12 ch. 7]. sd_m by SdMap from the K residuals. D is clamped to [2.05, 2.95]. One law or one a cell.
-/// Gate: outlier_gate.hpp; the estimate says which data it cost. Breaks: line_process.hpp for the mean, the edges also
+/// Gate: outlier_gate.hpp; the estimate says which data it cost, and none where it
+/// would be more than a quarter of them (law_contradicted). Breaks: line_process.hpp for the mean, the edges also
 /// for the residuals; variances grow beside them by what data left out show (break_inflation.hpp). Ceilings:
 /// ceiling_push.hpp for every field; the mean moves by the mean push, the sd by how the spread of the fields changes
 /// (ceiling_sums.hpp), so more fields help. With breaks or ceilings draws are given at the end, held until then.

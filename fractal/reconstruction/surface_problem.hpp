@@ -57,6 +57,7 @@ struct SurfaceEstimate {
   bool converged = true;
   Grid<std::uint8_t> rejected = {};  ///< 1 = a datum that the method took for no ground and left out; empty if none
   std::size_t rejected_cells = 0;    ///< how many
+  bool law_contradicted = false;     ///< so many data are no ground of the law that none was left out
 };
 
 }  // namespace scree::fractal

@@ -240,6 +240,19 @@ TEST(Reconstruct, OutliersAreLeftOutAndSaid) {
   EXPECT_GT(kept.second, 1.2 * clean.second);
 }
 
+TEST(Reconstruct, ALawThatTheSamplesContradictLeavesNoneOfThemOut) {
+  const TemporaryFolder folder;
+  const auto points = sparse_points(folder, 0.1);
+  for (const char* amplitude : {"1e-5", "0.02"}) {  // a 20,000th, a tenth of what it is
+    const auto finished =
+        scree(reconstruct(folder, points, {"--dimension", "2.01", "--amplitude-m", amplitude, "--json"}));
+    ASSERT_EQ(finished.exit_code, 0) << finished.err;
+    const json report = json::parse(finished.out);
+    EXPECT_TRUE(report["law_contradicted"].get<bool>()) << amplitude;
+    EXPECT_EQ(report["rejected_cells"], 0);
+  }
+}
+
 TEST(Reconstruct, ACeilingKeepsTheSurfaceBelowIt) {
 #ifndef SCREE_WITH_GDAL
   GTEST_SKIP() << "this build reads no rasters";
