@@ -2,7 +2,6 @@
 
 #include <cassert>
 #include <limits>
-#include <mutex>
 #include <vector>
 
 #include "fractal/fourier.hpp"
@@ -11,39 +10,9 @@
 #include "fractal/reconstruction/conditioning.hpp"
 #include "fractal/reconstruction/kept_solution.hpp"
 #include "fractal/reconstruction/residual_tile.hpp"
+#include "fractal/reconstruction/workspaces.hpp"
 
 namespace scree::fractal {
-namespace {
-
-/// What one solve needs while it runs; every field of it is overwritten by the next.
-struct Workspace {
-  PaddedField u, x, b;
-  BandAmplitudes::Scratch bands;
-  BlendSolver solver;
-};
-
-/// As many workspaces as solves run at once: a lone thread does all of them in one, which stays in its cache.
-class Workspaces {
- public:
-  std::unique_ptr<Workspace> take() {
-    const std::lock_guard lock(mutex_);
-    if (free_.empty()) return std::make_unique<Workspace>();
-    std::unique_ptr<Workspace> last = std::move(free_.back());
-    free_.pop_back();
-    return last;
-  }
-  void give(std::unique_ptr<Workspace> workspace) {
-    const std::lock_guard lock(mutex_);
-    free_.push_back(std::move(workspace));
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Workspace>> free_;
-};
-
-}  // namespace
-
 struct ConditionalReconstructor::Solver {
   explicit Solver(const ReconstructionConfig& c)
       : config(c),
