@@ -69,8 +69,8 @@ cells without a datum. D^ is that of Yokoya's moment over lags 1 … 16, of one 
 )");
   std::array<Column, kDimensions.size()> columns;
   for (std::size_t d = 0; d < kDimensions.size(); ++d)
-    for (const OneSurface& one :
-         over_surfaces(surfaces(20), [&](int i) { return judge(kDimensions[d], static_cast<std::uint64_t>(i)); })) {
+    for (const OneSurface& one : over_surfaces(
+             surfaces(20), [&](int i) { return judge(kDimensions[d], kFirstSeed + static_cast<std::uint64_t>(i)); })) {
       Column& column = columns[d];
       column.roughness.add(one.roughness);
       column.square += one.square;

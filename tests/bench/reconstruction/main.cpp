@@ -54,6 +54,13 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "reconstruction_accuracy: unknown section %s\n", std::string(name).c_str());
       return 64;
     }
+  if (wanted.empty())
+    print_text(R"(# Reconstruction, measured
+
+Written whole by `./dev bench-reconstruction`, section by section as `reconstruction_accuracy` prints them (`./dev
+bench-reconstruction NAME` for one); what the methods do and why stands in [reconstruction.md](reconstruction.md). Surfaces
+are exact fBm unless said otherwise, statistics reproducible (fixed seeds); times are of the machine that ran it, ratios are
+what to trust.)");
   for (const Section& section : kSections) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), section.name) == wanted.end()) continue;
     section.print();

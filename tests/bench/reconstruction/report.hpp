@@ -7,6 +7,9 @@
 
 namespace scree::bench {
 
+/// Surfaces that no constant of the conditional method was chosen on.
+inline constexpr std::uint64_t kFirstSeed = 7000;
+
 /// Folder for the figures of the sections that have some; empty: none are written.
 inline std::string pictures;
 

@@ -232,7 +232,8 @@ void table_of(const Case& c) {
   std::array<Errors, 2> roughness;
   double iterations = 0.0;
   const int count = surfaces(8);
-  for (const Judged& one : over_surfaces(count, [&](int i) { return judge(c, static_cast<std::uint64_t>(40 + i)); })) {
+  for (const Judged& one :
+       over_surfaces(count, [&](int i) { return judge(c, kFirstSeed + static_cast<std::uint64_t>(i)); })) {
     for (std::size_t m = 0; m < kMethods; ++m)
       for (std::size_t z = 0; z < kZones; ++z) scores[m][z] += one.scores[m][z];
     for (std::size_t z = 0; z < 2; ++z) roughness[z].add(one.roughness[z]);
