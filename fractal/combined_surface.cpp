@@ -13,6 +13,9 @@ Status check(const CombinedLaw& law, int rows, int columns, double cell_m) {
   const auto usage = [](std::string message) { return Error{ErrorKind::usage, std::move(message)}; };
   if (rows < 2 || columns < 2)
     return usage(fmt::format("combined surface: expected at least 2 x 2 cells, found {} x {}", rows, columns));
+  constexpr double kMostCells = 16384.0 * 16384.0;  // 1 GB
+  if (static_cast<double>(rows) * columns > kMostCells)
+    return usage(fmt::format("combined surface: expected at most 16384 x 16384 cells, found {} x {}", rows, columns));
   if (!(law.weight >= 0.0 && law.weight <= 1.0))
     return usage(fmt::format("combined surface: expected 0 <= weight <= 1, found {}", law.weight));
   if (!(law.amplitude_m > 0.0 && std::isfinite(law.amplitude_m)))

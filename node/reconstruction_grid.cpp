@@ -37,8 +37,18 @@ Extent box_of(const SurveyInput& survey, double cell_m) {
     box.x_min_m = std::min(box.x_min_m, x_m), box.x_max_m = std::max(box.x_max_m, x_m);
     box.y_min_m = std::min(box.y_min_m, y_m), box.y_max_m = std::max(box.y_max_m, y_m);
   });
-  const auto below = [cell_m](double at_m) { return std::floor(at_m / cell_m) * cell_m; };
-  return {below(box.x_min_m), below(box.y_min_m), below(box.x_max_m) + cell_m, below(box.y_max_m) + cell_m};
+  const auto below = [cell_m](double at_m) {
+    const double cells = std::floor(at_m / cell_m);
+    return cells * cell_m > at_m ? (cells - 1.0) * cell_m : cells * cell_m;
+  };
+  /// Whole cells from `low` until `high` lies inside the last: a sample on a border belongs to the cell above it.
+  const auto above = [cell_m](double low, double high) {
+    double cells = std::floor((high - low) / cell_m) + 1.0;
+    while (high - low >= cells * cell_m) cells += 1.0;
+    return low + cells * cell_m;
+  };
+  const double x_m = below(box.x_min_m), y_m = below(box.y_min_m);
+  return {x_m, y_m, above(x_m, box.x_max_m), above(y_m, box.y_max_m)};
 }
 
 Extent extent_of(const SurveyRaster& survey) {
@@ -55,7 +65,7 @@ Result<fractal::SurfaceGrid> cells_of(const Extent& extent, double cell_m) {
       std::abs(rows - whole_rows) > kRounding * whole_rows)
     return Error{ErrorKind::usage,
                  fmt::format("--extent: expected a whole number of cells of {:g} m, found {:.6g} x {:.6g}; the nearest "
-                             "is --extent {:.10g},{:.10g},{:.10g},{:.10g}",
+                             "is --extent {},{},{},{}",
                              cell_m, columns, rows, extent.x_min_m, extent.y_min_m,
                              extent.x_min_m + whole_columns * cell_m, extent.y_min_m + whole_rows * cell_m)};
   if (whole_columns * whole_rows > kMostSurfaceCells)
@@ -120,9 +130,10 @@ Result<Grid<float>> read_at_cells(const std::string& file, const PlacedSurvey& p
     for (int c = 0; c < columns; ++c) {
       const double x_m = placed.place.raster.x_min_m + (c + 0.5) * cell_m;
       const double y_m = placed.place.raster.y_min_m + (r + 0.5) * cell_m;
-      const int row = static_cast<int>(std::floor((y_m - raster->y_min_m) / raster->cell_y_m));
-      const int column = static_cast<int>(std::floor((x_m - raster->x_min_m) / raster->cell_m));
-      if (raster->height_m.contains(row, column)) cells(r, c) = raster->height_m(row, column);
+      const double row = std::floor((y_m - raster->y_min_m) / raster->cell_y_m);
+      const double column = std::floor((x_m - raster->x_min_m) / raster->cell_m);
+      if (row >= 0 && row < raster->height_m.rows() && column >= 0 && column < raster->height_m.columns())
+        cells(r, c) = raster->height_m(static_cast<int>(row), static_cast<int>(column));
     }
   return cells;
 }

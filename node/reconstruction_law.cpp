@@ -24,7 +24,7 @@ struct Range {
   const char* text;
 };
 constexpr Range kDimensions{2.0, 3.0, "a number between 2 and 3"};
-constexpr Range kAmplitudes{0.0, 1e6, "metres above 0"};
+constexpr Range kAmplitudes{1e-12, 1e6, "metres above 1e-12 and below 1e6"};
 
 bool inside(double value, const Range& range) {
   return value > range.low && value < range.high;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <fstream>
 #include <span>
@@ -12,6 +13,7 @@
 #include "drivers/table.hpp"
 #include "fractal/reconstruction/barycentre.hpp"
 #include "fractal/reconstruction/cell_samples.hpp"
+#include "fractal/reconstruction/data_gaps.hpp"
 #include "fractal/reconstruction/kriging.hpp"
 #include "fractal/reconstruction/polyhedron.hpp"
 #include "fractal/reconstruction/reconstruct_conditional.hpp"
@@ -44,11 +46,11 @@ Result<std::vector<fractal::InfluenceCentre>> read_regions(const std::string& fi
   std::vector<std::uint8_t> bytes;
   if (Status status = io::read_bytes(file, kMostBytes, bytes); !status) return status.error();
   std::vector<fractal::InfluenceCentre> centres;
-  const auto row = [&](std::size_t line, std::span<const std::string_view> fields) -> Status {
+  const auto row = [&](std::size_t, std::span<const std::string_view> fields) -> Status {
     std::array<double, 4> values{};
     for (std::size_t i = 0; i < values.size(); ++i) {
       const auto value = drivers::parse_number(fields[i]);
-      if (!value) return Error{value.error().kind, fmt::format("{}:{}: {}", file, line, value.error().message)};
+      if (!value) return value.error();  // parse_table adds the place
       values[i] = *value;
     }
     const io::Raster& place = placed.place.raster;
@@ -74,35 +76,40 @@ std::size_t free_memory_bytes() {
   return 0;
 }
 
-/// Refining triangles is its own; the need of the others is about that of the default (kriging, for few cells, checks
-/// its own).
-std::size_t needed_bytes(const std::string& method, const PlacedSurvey& placed, const fractal::SurfaceRequest& request,
-                         const MethodOptions& options) {
+/// Peak, samples and result included.
+std::size_t needed_bytes(const std::string& method, const PlacedSurvey& placed, const fractal::CellSamples& binned,
+                         const fractal::SurfaceRequest& request, const MethodOptions& options) {
   const auto& [rows, columns, cell_m] = request.grid;
-  if (method != "barycentre") return fractal::conditional_memory_bytes(rows, columns, request.law.varies());
-  constexpr std::int64_t kGrids = 24;  // bytes a cell: mean, sd, and up to four realisations
   const std::int64_t cells = std::int64_t{rows} * columns;
+  if (method == "conditional") {
+    const bool keeps = options.breaks || options.ceiling;
+    return fractal::conditional_memory_bytes(rows, columns, request.law.varies(),
+                                             {.gap_cells = fractal::widest_gap_cells(binned.height_m),
+                                              .kept_draws = keeps ? request.draws : 0,
+                                              .ceilings = options.ceiling.has_value()});
+  }
+  constexpr std::int64_t kOthers = 80;  // bytes a cell: samples, mean, sd, solver or four realisations
+  if (method != "barycentre") return static_cast<std::size_t>(kOthers * cells);
   const std::int64_t last = options.barycentre_law == "corrected" ? cells : 0;
   const std::int64_t points =
       static_cast<std::int64_t>(placed.samples.size()) + options.insertions.value_or(cells) + last;
-  return static_cast<std::size_t>(fractal::barycentre_bytes(points, request.draws) + kGrids * cells);
+  return static_cast<std::size_t>(fractal::barycentre_bytes(points, request.draws) + kOthers * cells);
 }
 
-Status check_memory(const std::string& method, const PlacedSurvey& placed, const fractal::SurfaceRequest& request,
-                    const MethodOptions& options) {
-  const std::size_t needed = needed_bytes(method, placed, request, options), free = free_memory_bytes();
+Status check_memory(const std::string& method, const PlacedSurvey& placed, const fractal::CellSamples& binned,
+                    const fractal::SurfaceRequest& request, const MethodOptions& options) {
+  const std::size_t needed = needed_bytes(method, placed, binned, request, options), free = free_memory_bytes();
   if (free == 0 || needed <= free) return {};
   constexpr double kGigabyte = 1e9;
   const auto& [rows, columns, cell_m] = request.grid;
-  std::string remedy = "choose larger cells, a smaller --extent or fewer --insertions";
-  if (method != "barycentre") {
-    const int side = fractal::largest_conditional_side(free, request.law.varies());
-    remedy = fmt::format("enough for {} x {}; choose larger cells or a smaller --extent", side, side);
-  }
-  return Error{ErrorKind::bad_data,
-               fmt::format("expected {:.1f} GB of free memory for {} x {} cells, found {:.1f} GB: {}",
-                           static_cast<double>(needed) / kGigabyte, rows, columns,
-                           static_cast<double>(free) / kGigabyte, remedy)};
+  // Memory goes with the cells, or with the square about the longer side.
+  const double share = std::sqrt(static_cast<double>(free) / static_cast<double>(needed));
+  return Error{
+      ErrorKind::bad_data,
+      fmt::format("expected {:.1f} GB of free memory for {} x {} cells, found {:.1f} GB: enough for about {:.0f} "
+                  "x {:.0f}; choose larger cells, a smaller --extent, fewer --draws or --insertions",
+                  static_cast<double>(needed) / kGigabyte, rows, columns, static_cast<double>(free) / kGigabyte,
+                  share * rows, share * columns)};
 }
 
 Result<SurfaceEstimate> by_triangles(const std::string& method, const PlacedSurvey& placed,
@@ -193,9 +200,9 @@ Result<SurfaceAnswer> reconstruct_surface(const std::string& method, const Place
                                           const fractal::SurfaceRequest& request, const MethodOptions& options,
                                           Executor& executor) {
   const auto begin = std::chrono::steady_clock::now();
-  if (Status status = check_memory(method, placed, request, options); !status) return status.error();
   const bool triangles = method == "polyhedron" || method == "barycentre";
   const fractal::CellSamples cells = fractal::bin_samples(placed.samples, request.grid, request.law);
+  if (Status status = check_memory(method, placed, cells, request, options); !status) return status.error();
   auto estimate = triangles                 ? by_triangles(method, placed, request, options, executor)
                   : method == "conditional" ? by_posterior(placed, cells, request, options, executor)
                                             : by_cells(method, cells, request, options, executor);

@@ -19,7 +19,7 @@ Json number(double value) {
 std::size_t unknown_cells(const ReconstructionReport& report) {
   const Grid<float>& mean = report.answer.estimate.mean_m;
   return static_cast<std::size_t>(
-      std::count_if(mean.begin(), mean.end(), [](float value) { return std::isnan(value); }));
+      std::count_if(mean.begin(), mean.end(), [](float value) { return !std::isfinite(value); }));
 }
 
 double median_sd_m(const ReconstructionReport& report) {
@@ -99,6 +99,7 @@ std::string reconstruction_json(const ReconstructionReport& report) {
             {"y_min_m", report.placed.place.raster.y_min_m},
             {"repeated_samples", report.law.repeats},
             {"repeat_sigma_m", number(report.law.repeat_sigma_m)},
+            {"contradictory", report.law.contradictory},
             {"samples", report.placed.samples.size()},
             {"samples_outside", report.placed.outside},
             {"samples_skipped", report.input.skipped},

@@ -49,7 +49,7 @@ Status refuse_degrees(const SurveyInput& survey, const std::string& name) {
   if (beyond(survey.origin_m.x(), *west, *east, 360.0) || beyond(survey.origin_m.y(), *south, *north, 90.0)) return {};
   constexpr float kWall = 30.0F;
   const float extent = std::max(*east - *west, *north - *south);
-  if (!(*high - *low > kWall * extent)) return {};
+  if (!(extent > 0.0F && *high - *low > kWall * extent)) return {};  // all at one place: no slope at all
   return Error{ErrorKind::bad_data,
                fmt::format("{}: expected points in metres, found {:.3g} of height over an extent of {:.3g}: longitude "
                            "and latitude? Reproject them first, for instance with gdaltransform or pdal",

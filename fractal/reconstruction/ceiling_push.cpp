@@ -37,7 +37,9 @@ bool CeilingPush::apply(const MultigridShape& shape, const BlendField& prior, co
       break;
     }
     matrix_.set_up(shape, prior, total_);
-    iterations_ += solver_.solve(matrix_, right_side_, tolerance, max_iterations, delta_).iterations;
+    const SolveReport report = solver_.solve(matrix_, right_side_, tolerance, max_iterations, delta_);
+    iterations_ += report.iterations;
+    converged_ = converged_ && report.converged;
   }
   for (int r = 0; r < shape.rows; ++r)
     for (int c = 0; c < shape.columns; ++c) sample.row(r)[c] += delta_.row(r)[c];

@@ -34,6 +34,7 @@ class CeilingPush {
   /// What the last apply() added; zero where it returned false.
   const PaddedField& delta() const { return delta_; }
   int iterations() const { return iterations_; }  ///< of all solves
+  bool converged() const { return converged_; }   ///< all of them
 
  private:
   int activate(const PaddedField& precision, const Grid<float>& ceiling, const Grid<float>& change,
@@ -45,6 +46,7 @@ class CeilingPush {
   PaddedField total_, right_side_, delta_;
   Grid<std::uint8_t> active_;
   int iterations_ = 0;
+  bool converged_ = true;
 };
 
 }  // namespace scree::fractal

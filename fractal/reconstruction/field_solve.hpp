@@ -11,7 +11,7 @@ namespace scree::fractal {
 
 /// One field from nothing to residual.
 struct FieldSolve {
-  static constexpr std::uint64_t kNoiseStream = 0x636f6e642d6e00;  // "cond-n", field k in the last byte and beyond
+  static constexpr std::uint64_t kNoiseStream = 0x636f6e642d6e00;  // "cond-n"
 
   PaddedField u, b, x, sample;
   BlendSolver solver;
@@ -26,8 +26,7 @@ struct FieldSolve {
     for (int r = 0; r < request.grid.rows; ++r)
       for (int c = 0; c < request.grid.columns; ++c)
         if (problem.precision(r)[c] > 0.0F)
-          b.row(r)[c] =
-              static_cast<float>(random_normals(request.seed, kNoiseStream + static_cast<std::uint64_t>(k), c, r)[0]);
+          b.row(r)[c] = static_cast<float>(random_normals(request.seed, field_stream(kNoiseStream, k), c, r)[0]);
     problem.residual_problem(u, b);
     start_from_means(u, problem.spacing_cells(), x);
     report = solver.solve(problem.matrix(), b, problem.cold_tolerance(tolerance), max_iterations, x);
@@ -43,6 +42,7 @@ struct FieldSolve {
     push.apply(problem.shape(), problem.prior(), problem.precisions(), ceiling, change, problem.tolerance(tolerance),
                max_iterations, sample);
     report.iterations += push.iterations() - before;
+    report.converged = report.converged && push.converged();
   }
 };
 

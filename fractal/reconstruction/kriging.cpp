@@ -146,7 +146,8 @@ Result<SurfaceEstimate> reconstruct_kriging(const CellSamples& samples, const Su
   const FractalLaw& law = request.law.law;
   const Data data = data_of(samples, law.rms_change_m(request.grid.cell_m));
   if (Status status = check_size(data.places.size(), samples.height_m.size(), options); !status) return status.error();
-  const auto fields = UnconditionalFields::make(law.hurst(), request.grid.rows, request.grid.columns);
+  const auto fields =
+      UnconditionalFields::make(std::clamp(law.hurst(), 0.05, 0.95), request.grid.rows, request.grid.columns);
   if (!fields) return Error{fields.error().kind, "kriging: " + fields.error().message};
   const auto kriging =
       IntrinsicKriging::make(law.hurst(), request.grid.rows, request.grid.columns, data.places, data.noise);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <utility>
 
 #include "fractal/reconstruction/conditional_run.hpp"
@@ -17,6 +18,29 @@ namespace {
 
 constexpr double kMostOutliers = 0.25;  ///< share of the measured cells
 
+/// A ceiling that no ground of the law reaches from the lowest datum is none: a nodata value, or another unit.
+Status check_ceilings(const CellSamples& samples, const SurfaceRequest& request, const Grid<float>& ceiling_m) {
+  const auto& [rows, columns, cell_m] = request.grid;
+  if (ceiling_m.empty()) return {};
+  if (ceiling_m.rows() != rows || ceiling_m.columns() != columns)
+    return Error{ErrorKind::usage,
+                 fmt::format("conditional: expected a ceiling for each of {} x {} cells or none, found {} x {}", rows,
+                             columns, ceiling_m.rows(), ceiling_m.columns())};
+  constexpr double kFarBelow = 10.0;
+  double lowest_m = std::numeric_limits<double>::infinity();
+  for (const float height : samples.height_m)
+    if (std::isfinite(height)) lowest_m = std::min(lowest_m, static_cast<double>(height));
+  const double least_m = lowest_m - kFarBelow * request.law.law.rms_change_m(cell_m * std::hypot(rows, columns));
+  for (std::size_t i = 0; i < ceiling_m.size(); ++i)
+    if (static_cast<double>(ceiling_m[i]) < least_m)  // -inf too
+      return Error{ErrorKind::bad_data,
+                   fmt::format("conditional: expected ceilings that ground with its lowest sample at {:g} m can stand "
+                               "below, found {:g} m in cell ({}, {}): a nodata value?",
+                               lowest_m, ceiling_m[i], i / static_cast<std::size_t>(columns),
+                               i % static_cast<std::size_t>(columns))};
+  return {};
+}
+
 Status check(const CellSamples& samples, const SurfaceRequest& request, const ConditionalOptions& options) {
   if (Status status = check_surface("conditional", samples, request); !status) return status;
   const SurfaceGrid& grid = request.grid;
@@ -26,11 +50,7 @@ Status check(const CellSamples& samples, const SurfaceRequest& request, const Co
   if (std::max(grid.rows, grid.columns) > DistanceTransform::kMaxSide)
     return Error{ErrorKind::usage, fmt::format("conditional: expected at most {} cells a side, found {} x {}",
                                                DistanceTransform::kMaxSide, grid.rows, grid.columns)};
-  if (!options.ceiling_m.empty() &&
-      (options.ceiling_m.rows() != grid.rows || options.ceiling_m.columns() != grid.columns))
-    return Error{ErrorKind::usage,
-                 fmt::format("conditional: expected a ceiling for each of {} x {} cells or none, found {} x {}",
-                             grid.rows, grid.columns, options.ceiling_m.rows(), options.ceiling_m.columns())};
+  if (Status status = check_ceilings(samples, request, options.ceiling_m); !status) return status;
   const LawMap& law = request.law;
   if (!law.varies()) return {};
   for (const Grid<float>* map : {&law.dimension, &law.amplitude_m})
@@ -69,10 +89,11 @@ Result<SurfaceEstimate> reconstruct_conditional(const CellSamples& samples, cons
   return estimate;
 }
 
-std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies) {
+std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies, const ConditionalLoad& load) {
   const MultigridShape shape(rows, columns);
   const auto cells = static_cast<double>(shape.rows) * shape.columns;
-  const double side = residual_torus_side(0.95, shape.rows, shape.columns, std::max(shape.rows, shape.columns) / 32);
+  const double side = residual_torus_side(
+      0.95, shape.rows, shape.columns, load.gap_cells >= 0 ? load.gap_cells : std::max(shape.rows, shape.columns) / 32);
   const double together = cells > static_cast<double>(ConditionalRun::kSideBySide) ? 1.0 : ConditionalRun::kTogether;
   const double levels = 4.0 / 3.0;
   const double held = 10.0 + 11.0 + 4.0 * 4.0 + (law_varies ? 8.0 : 0.0);  // samples, gated; mean … sd; law
@@ -82,7 +103,8 @@ std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies) {
   const double synthesis = 4.0 * cells + 4.0 * side * shape.columns + (law_varies ? 4.0 : 2.0) * side * side;
   const double solving = cells * (held + matrix + amplitudes + together * solve) + together * synthesis;
   const double deviations = cells * (held + 60.0);  // SdMap
-  return static_cast<std::size_t>(std::max(solving, deviations));
+  const double kept = cells * (4.0 * load.kept_draws + (load.ceilings ? 90.0 : 0.0));
+  return static_cast<std::size_t>(std::max(solving, deviations) + kept);
 }
 
 int largest_conditional_side(std::size_t bytes, bool law_varies) {

@@ -32,16 +32,24 @@ struct ConditionalOptions {
 /// Everything is keyed on request.seed and does not depend on the executor. iterations: cycles of all solves together.
 /// Errors: those of check_surface (one measured cell is enough: the sd then grows with the distance from it); a law map
 /// of another shape or with values out of range; residual_fields < 1; a side above DistanceTransform::kMaxSide.
-/// Cost: K + 1 solves and K Fourier syntheses, linear in cells; the gate 7 warm solves, breaks some 15 longer ones,
+/// Cost: K + 1 solves and K Fourier syntheses on a square about the longer side, linear in cells for
+/// squares; the gate 7 warm solves, breaks some 15 longer ones,
 /// ceilings 3 a field (docs/reconstruction.md). Memory:
 /// conditional_memory_bytes.
 Result<SurfaceEstimate> reconstruct_conditional(const CellSamples& samples, const SurfaceRequest& request,
                                                 const ConditionalOptions& options, Executor& executor);
 
+/// What makes a reconstruction larger than its grid says.
+struct ConditionalLoad {
+  int gap_cells = -1;  ///< widest hole in the data (data_gaps.hpp); −1: a thirtieth of the longer side
+  int kept_draws = 0;  ///< with breaks or ceilings every draw is kept until the end
+  bool ceilings = false;
+};
+
 /// What reconstruct_conditional holds at its peak for a grid, in bytes, its samples, law map and result included: about
-/// 100 a cell for one law on large grids, 140 for a law a cell; the gate counts, breaks and ceilings do not. The holes
-/// in the data decide how large the Fourier torus is; this is for gaps up to a thirtieth of the longer side.
-std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies);
+/// 100 a cell for one law on large grids, 180 for a law a cell (measured: docs/reconstruction.md). The torus of the
+/// fields is square: a strip needs, and takes, what the square of its longer side would.
+std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies, const ConditionalLoad& load = {});
 
 /// The side of the largest square grid that fits in so many bytes, a multiple of 64; 0 if none does.
 int largest_conditional_side(std::size_t bytes, bool law_varies);

@@ -12,7 +12,7 @@
 namespace scree::fractal {
 namespace {
 
-constexpr std::uint64_t kSpectrumStream = 0x636f6e642d6600;  // "cond-f", field k in the last byte and beyond
+constexpr std::uint64_t kSpectrumStream = 0x636f6e642d6600;  // "cond-f"
 constexpr std::uint64_t kPlaneStream = 0x636f6e642d7000;     // "cond-p"
 
 class OneLawFields final : public ResidualFields {
@@ -21,10 +21,10 @@ class OneLawFields final : public ResidualFields {
       : embedding_(make_embedding(hurst, side)), grid_(grid), seed_(seed) {}
 
   void make(int k, PaddedField& u) const override {
-    const auto stream = static_cast<std::uint64_t>(k);
-    const Grid<float> field = embedded_field(
-        embedding_, keyed_white_noise(seed_, kSpectrumStream + stream, embedding_.side), grid_.rows, grid_.columns);
-    const auto normals = random_normals(seed_, kPlaneStream + stream, 0, 0);
+    const Grid<float> field =
+        embedded_field(embedding_, keyed_white_noise(seed_, field_stream(kSpectrumStream, k), embedding_.side),
+                       grid_.rows, grid_.columns);
+    const auto normals = random_normals(seed_, field_stream(kPlaneStream, k), 0, 0);
     const double sigma = embedding_.plane_slope_sigma();
     const auto along = static_cast<float>(sigma * normals[0]);
     for (int r = 0; r < grid_.rows; ++r) {
@@ -55,8 +55,8 @@ class VaryingFields final : public ResidualFields {
       const int every = OctaveBands::spacing(band), most = bands_.side() / every;
       const auto points = [&](int cells) { return std::min((cells + bands_.coarsest()) / every + 1, most); };
       band_field = {};
-      band_field = bands_.make(band, seed_, kSpectrumStream + static_cast<std::uint64_t>(k), points(grid_.rows),
-                               points(grid_.columns));
+      band_field =
+          bands_.make(band, seed_, field_stream(kSpectrumStream, k), points(grid_.rows), points(grid_.columns));
       return band_field;
     };
     amplitudes_.make_field(make_band, {0, 0}, scratch, u);

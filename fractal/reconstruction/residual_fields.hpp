@@ -10,6 +10,12 @@
 
 namespace scree::fractal {
 
+/// The stream of field k: the last byte of `base` counts 256 of them, the top byte the rest, so that no two bases meet.
+inline std::uint64_t field_stream(std::uint64_t base, int k) {
+  const auto field = static_cast<std::uint64_t>(k);
+  return base + (field & 0xff) + ((field >> 8) << 56);
+}
+
 /// Independent fields k = 0, 1, … over one window, in units of the rms change over one cell of the law (its middle).
 /// Reproducible from the seed alone. make() may run for several k side by side.
 class ResidualFields {

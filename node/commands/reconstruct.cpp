@@ -3,11 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
 #include <spdlog/spdlog.h>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -77,6 +79,14 @@ class Drawings {
   double dimension_ = std::nan("");
 };
 
+/// What an earlier run left under the same name must not be taken for this one's.
+void remove_older(const LayerFiles& files, int draws) {
+  std::error_code ignored;
+  std::filesystem::remove(files.file("rejected"), ignored);
+  for (int k = draws; std::filesystem::remove(files.file(fmt::format("draw{}", k)), ignored); ++k) {
+  }
+}
+
 Status check(const ReconstructOptions& options) {
   if (Status status = check_length("--cell", options.cell_m, "metres above 0"); !status) return status;
   return check_method_options(options.method, options.method_options);
@@ -108,6 +118,7 @@ Result<int> reconstruct(const ReconstructOptions& options, const SurveyInput& in
   if (Status status = drawings.write("sd", "standard deviation / m", answer->estimate.sd_m, false); !status)
     return status.error();
 
+  remove_older(files, options.draws);
   if (answer->estimate.rejected_cells > 0) {
     const Grid<std::uint8_t>& rejected = answer->estimate.rejected;
     Grid<float> layer(rejected.rows(), rejected.columns());

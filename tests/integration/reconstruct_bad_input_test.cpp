@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "io/npy.hpp"
 #include "tests/integration/dimension_inputs.hpp"
@@ -52,7 +53,8 @@ TEST(ReconstructBadInput, OptionsThatCannotBeAre64) {
   tool.fails(input, {"--extent", "0,0,10.2,10"}, 64, "the nearest is --extent 0,0,10,10");
   tool.fails(input, {"--dimension", "3"}, 64, "--dimension: expected a number between 2 and 3, found 3", false);
   tool.fails(input, {"--dimension", "2"}, 64, "--dimension: expected a number between 2 and 3, found 2", false);
-  tool.fails(input, {"--dimension", "2.4", "--amplitude-m", "0"}, 64, "--amplitude-m: expected metres above 0", false);
+  tool.fails(input, {"--dimension", "2.4", "--amplitude-m", "0"}, 64,
+             "--amplitude-m: expected metres above 1e-12 and below 1e6, found 0", false);
   tool.fails(input, {"--noise-sigma-m", "-1"}, 64, "--noise-sigma-m: expected metres of at least 0, or auto");
   tool.fails(input, {"--sweeps", "5"}, 64, "--sweeps: expected --method szeliski beside it, found conditional");
   tool.fails(input, {"--method", "szeliski", "--temperature", "hot"}, 64, "--temperature: expected empirical");
@@ -105,6 +107,69 @@ TEST(ReconstructBadInput, AllSamplesInOneCellAndContradictorySamplesAreAveraged)
   ASSERT_EQ(contrary.exit_code, 0) << contrary.err;
   EXPECT_NEAR((*io::read_npy(tool.folder / "s.mean.npy"))(10, 10), 2.0, 1e-3);
   EXPECT_THAT(contrary.err, HasSubstr("contradictory samples: heights at one place differ by 1.41 m"));
+}
+
+TEST(ReconstructBadInput, ManySamplesAtOnePlaceAreNoLongitudes) {
+  const Tool tool;
+  std::string text;
+  for (int i = 0; i < 50; ++i) text += fmt::format("5.25 5.25 {}\n", 2.0 + 0.1 * (i % 7));
+  const auto finished = tool.run(tool.points(text), {"--extent", "0,0,10,10"});
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_NEAR((*io::read_npy(tool.folder / "s.mean.npy"))(0, 0), 2.3, 0.05);
+}
+
+TEST(ReconstructBadInput, TheExtentThatAMessageNamesIsAccepted) {
+  const Tool tool;
+  const auto input = tool.points(field());
+  const std::vector<std::string> odd{"reconstruct", input,    "--dimension", "2.4",   "--amplitude-m",
+                                     "0.2",         "--cell", "0.1234567",   "--out", (tool.folder / "s.npy").string(),
+                                     "--extent"};
+  auto first = odd, second = odd;
+  first.emplace_back("-1.6789,0.1,14.3,12");
+  const auto refused = scree(first);
+  EXPECT_EQ(refused.exit_code, 64);
+  const auto at = refused.err.rfind("--extent ");
+  ASSERT_NE(at, std::string::npos);
+  std::string named = refused.err.substr(at + 9);
+  second.push_back(named.substr(0, named.find('\n')));
+  EXPECT_EQ(scree(second).exit_code, 0) << second.back();
+}
+
+// Cells that are no binary fractions: a row of samples may lie on the last border to the last bit.
+TEST(ReconstructBadInput, TheDefaultExtentHoldsEverySample) {
+#ifndef SCREE_WITH_GDAL
+  GTEST_SKIP() << "this build reads no rasters";
+#endif
+  const Tool tool;
+  for (const auto& [x, y, cell] : {std::tuple{-49.65, 2.7, 0.3}, {12.6, -7.35, 0.3}, {0.7, 0.1, 0.7}}) {
+    std::string text = fmt::format("ncols 13\nnrows 8\nxllcorner {}\nyllcorner {}\ncellsize {}\n", x, y, cell);
+    for (int i = 0; i < 104; ++i) text += fmt::format("{} ", 0.01 * (i * i % 17));
+    const auto finished =
+        scree({"reconstruct", write(tool.folder, "dem.asc", text), "--cell", fmt::format("{}", cell / 2), "--dimension",
+               "2.4", "--amplitude-m", "0.2", "--json", "--out", (tool.folder / "s.npy").string()});
+    ASSERT_EQ(finished.exit_code, 0) << finished.err;
+    EXPECT_EQ(nlohmann::json::parse(finished.out)["samples_outside"], 0) << x << ' ' << y;
+  }
+}
+
+TEST(ReconstructBadInput, ANodataValueIsNoCeiling) {
+#ifndef SCREE_WITH_GDAL
+  GTEST_SKIP() << "this build reads no rasters";
+#endif
+  const Tool tool;
+  const auto rays =
+      write(tool.folder, "rays.asc", "ncols 1\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 20\n-9999\n5\n");
+  tool.fails(tool.points(field()), {"--ceiling", rays, "--extent", "0,0,10,30"}, 65, "found -9999 m in cell");
+}
+
+TEST(ReconstructBadInput, RoughestAndSmoothestLawsAreDrawnByKrigingToo) {
+  const Tool tool;
+  const auto input = tool.points(field());
+  for (const char* dimension : {"2.01", "2.99"}) {
+    const auto finished = scree({"reconstruct", input, "--cell", "0.5", "--method", "kriging", "--dimension", dimension,
+                                 "--amplitude-m", "0.2", "--out", (tool.folder / "s.npy").string()});
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  }
 }
 
 }  // namespace
