@@ -65,9 +65,9 @@ std::vector<std::string> reconstruction_remarks(const ReconstructionReport& repo
                     cells, report.answer.measured_cells));
   if (report.answer.estimate.law_contradicted)
     remarks.emplace_back(
-        "law_contradicted: more than a quarter of the samples are no ground of this D and amplitude; all were kept, "
-        "and "
-        "the standard deviation is not to be trusted");
+        "law_contradicted: over a quarter of the samples are no ground of this D and amplitude; all were kept, and sd "
+        "is "
+        "not to be trusted");
   if (!report.answer.estimate.converged)
     remarks.emplace_back("not converged: the surface is short of its law; are D and the noise right?");
   if (const std::size_t cells = unknown_cells(report); cells > 0)

@@ -13,8 +13,7 @@ namespace scree::fractal {
 /// How the height of a new point follows from the three around it.
 enum class BarycentreLaw {
   /// As published: the mean of the three, displaced by a variance that averages three terms as if they were
-  /// independent,
-  /// each clamped at 0, with the variance of (mean − vertex) taken over all triangles of a stage.
+  /// independent, each clamped at 0, with the variance of (mean − vertex) taken over all triangles of a stage.
   published,
   /// The mean of the three, displaced by the exact variance of fBm less that mean.
   exact_variance,

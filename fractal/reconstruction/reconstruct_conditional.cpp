@@ -107,12 +107,4 @@ std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies, con
   return static_cast<std::size_t>(std::max(solving, deviations) + kept);
 }
 
-int largest_conditional_side(std::size_t bytes, bool law_varies) {
-  int side = 0;
-  while (side + 64 <= DistanceTransform::kMaxSide &&
-         conditional_memory_bytes(side + 64, side + 64, law_varies) <= bytes)
-    side += 64;
-  return side;
-}
-
 }  // namespace scree::fractal

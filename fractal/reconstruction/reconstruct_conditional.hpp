@@ -51,7 +51,4 @@ struct ConditionalLoad {
 /// fields is square: a strip needs, and takes, what the square of its longer side would.
 std::size_t conditional_memory_bytes(int rows, int columns, bool law_varies, const ConditionalLoad& load = {});
 
-/// The side of the largest square grid that fits in so many bytes, a multiple of 64; 0 if none does.
-int largest_conditional_side(std::size_t bytes, bool law_varies);
-
 }  // namespace scree::fractal

@@ -156,12 +156,10 @@ TEST(ReconstructConditional, MemoryGrowsWithTheGrid) {
   EXPECT_NEAR(bytes(8192, false) / bytes(2048, false), 1.0, 0.2);
   EXPECT_LT(bytes(8192, false) * 8192 * 8192, 23e9 / 2);
   EXPECT_LT(bytes(8192, true) * 8192 * 8192, 23e9 / 1.5);
-  const std::size_t room = conditional_memory_bytes(1024, 1024, false);
-  EXPECT_EQ(largest_conditional_side(room, false) / 64 * 64, largest_conditional_side(room, false));
-  EXPECT_LE(
-      conditional_memory_bytes(largest_conditional_side(room, false), largest_conditional_side(room, false), false),
-      room);
-  EXPECT_EQ(largest_conditional_side(1000, false), 0);
+  const auto with = [](const ConditionalLoad& load) { return conditional_memory_bytes(1024, 1024, false, load); };
+  EXPECT_EQ(with({.kept_draws = 10}), with({}) + std::size_t{40} * 1024 * 1024);
+  EXPECT_GT(with({.ceilings = true}), with({}));
+  EXPECT_GT(with({.gap_cells = 512}), with({.gap_cells = 8}));
 }
 
 }  // namespace
