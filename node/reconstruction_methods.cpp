@@ -6,11 +6,9 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
-#include <span>
 #include <string_view>
 #include <utility>
 
-#include "drivers/table.hpp"
 #include "fractal/reconstruction/barycentre.hpp"
 #include "fractal/reconstruction/cell_samples.hpp"
 #include "fractal/reconstruction/data_gaps.hpp"
@@ -20,7 +18,7 @@
 #include "fractal/reconstruction/spline.hpp"
 #include "fractal/reconstruction/szeliski.hpp"
 #include "fractal/reconstruction/yokoya.hpp"
-#include "io/file_bytes.hpp"
+#include "node/reconstruction_regions.hpp"
 
 namespace scree::node {
 namespace {
@@ -38,30 +36,6 @@ std::optional<BarycentreLaw> barycentre_law(const std::string& name) {
   for (const auto& [known, law] : kBarycentreLaws)
     if (known == name) return law;
   return std::nullopt;
-}
-
-/// Centres on the map to centres in the grid's frame.
-Result<std::vector<fractal::InfluenceCentre>> read_regions(const std::string& file, const PlacedSurvey& placed) {
-  constexpr std::size_t kMostBytes = std::size_t{1} << 24;
-  std::vector<std::uint8_t> bytes;
-  if (Status status = io::read_bytes(file, kMostBytes, bytes); !status) return status.error();
-  std::vector<fractal::InfluenceCentre> centres;
-  const auto row = [&](std::size_t, std::span<const std::string_view> fields) -> Status {
-    std::array<double, 4> values{};
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const auto value = drivers::parse_number(fields[i]);
-      if (!value) return value.error();  // parse_table adds the place
-      values[i] = *value;
-    }
-    const io::Raster& place = placed.place.raster;
-    centres.push_back({values[0] - place.x_min_m, values[1] - place.y_min_m, {values[2], values[3]}});
-    return {};
-  };
-  if (Status status = drivers::parse_table(io::as_text(bytes), file, "x_m,y_m,dimension,amplitude_m", row); !status)
-    return status.error();
-  if (centres.empty())
-    return Error{ErrorKind::bad_data, fmt::format("{}: expected a centre behind the header, found none", file)};
-  return centres;
 }
 
 /// What the kernel reckons that a process may take without swapping; 0 = it does not say.

@@ -73,10 +73,10 @@ inline std::string with_sign(double value, int digits = 4) {
 
 /// "held", or by how much the target was missed.
 inline std::string at_most(double measured, double target) {
-  return measured <= target ? "held" : fmt::format("**missed** by {:.0f} %", 100.0 * (measured / target - 1.0));
+  return measured <= target ? "held" : fmt::format("**missed** by {:.2g} %", 100.0 * (measured / target - 1.0));
 }
 inline std::string at_least(double measured, double target) {
-  return measured >= target ? "held" : fmt::format("**missed** by {:.0f} %", 100.0 * (1.0 - measured / target));
+  return measured >= target ? "held" : fmt::format("**missed** by {:.2g} %", 100.0 * (1.0 - measured / target));
 }
 inline std::string within(double measured, double low, double high) {
   if (measured >= low && measured <= high) return "held";
