@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "node/length_text.hpp"
@@ -72,9 +73,9 @@ std::vector<std::string> reconstruction_remarks(const ReconstructionReport& repo
     remarks.emplace_back("not converged: the surface is short of its law; are D and the noise right?");
   if (const std::size_t cells = unknown_cells(report); cells > 0)
     remarks.push_back(fmt::format("{} cells have no height (nan): outside the hull of the samples", cells));
-  if (report.law.found)
-    for (const std::string& flag : report.law.found->flags)
-      remarks.push_back(fmt::format("D of the samples: {} (scree dimension says more)", flag));
+  if (report.law.found && !report.law.found->flags.empty())
+    remarks.push_back(
+        fmt::format("D of the samples: {} (scree dimension says more)", fmt::join(report.law.found->flags, ", ")));
   return remarks;
 }
 

@@ -127,7 +127,7 @@ void peers_section() {
              [&](const SurfaceRequest& request) { return reconstruct_kriging(cells_of(scene), request, {}, serial); });
     run_peers(scene, column, rows);
   }
-  print_text("### Other programs on the same samples\n");
+  print_text("\n## Other programs on the same samples\n");
   print_text(
       fmt::format("One surface a D, {0} x {0} cells, {1:.0f} % of them known: seconds / RMSE in changes over a "
                   "cell / D less the truth's / rms change over a cell over the truth's. Ours: mean, sd from 8 "
