@@ -1,20 +1,14 @@
 // scree reconstruct: sparse heights to a dense rough surface, with its uncertainty and draws.
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <fmt/format.h>
 #include <memory>
 #include <optional>
 #include <spdlog/spdlog.h>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "fractal/axis_dimension.hpp"
 #include "node/commands/command_line.hpp"
 #include "node/layer_files.hpp"
 #include "node/length_text.hpp"
@@ -22,6 +16,7 @@
 #include "node/reconstruction_grid.hpp"
 #include "node/reconstruction_law.hpp"
 #include "node/reconstruction_methods.hpp"
+#include "node/reconstruction_outputs.hpp"
 #include "node/reconstruction_report.hpp"
 #include "node/survey_input.hpp"
 #include "node/worker_pool.hpp"
@@ -56,77 +51,35 @@ class Workers {
   std::vector<std::jthread> threads_;
 };
 
-/// Writes draws as they come; the first failure is kept.
-class Drawings {
- public:
-  Drawings(const LayerFiles& files, const LayerPlace& place) : files_(files), place_(place) {}
-
-  void take(int k, const Grid<float>& draw_m) {
-    if (k == 0) dimension_ = fractal::axis_dimension(draw_m);
-    if (status_) status_ = write(fmt::format("draw{}", k), fmt::format("draw {} / m", k), draw_m);
-  }
-  Status write(const std::string& layer, const std::string& title, const Grid<float>& values, bool hillshade = true) {
-    const io::ColourScale scale{hillshade ? io::ColourMap::terrain : io::ColourMap::viridis, {}, {}, hillshade};
-    return files_.write(layer, {title, values, scale}, place_.raster, place_.picture);
-  }
-  const Status& status() const { return status_; }
-  double dimension() const { return dimension_; }
-
- private:
-  const LayerFiles& files_;
-  const LayerPlace& place_;
-  Status status_;
-  double dimension_ = std::nan("");
-};
-
-/// What an earlier run left under the same name must not be taken for this one's.
-void remove_older(const LayerFiles& files, int draws) {
-  std::error_code ignored;
-  std::filesystem::remove(files.file("rejected"), ignored);
-  for (int k = draws; std::filesystem::remove(files.file(fmt::format("draw{}", k)), ignored); ++k) {
-  }
-}
-
 Status check(const ReconstructOptions& options) {
   if (Status status = check_length("--cell", options.cell_m, "metres above 0"); !status) return status;
   return check_method_options(options.method, options.method_options);
 }
 
-Result<int> reconstruct(const ReconstructOptions& options, const SurveyInput& input, const PlacedSurvey& given,
+Result<int> reconstruct(const ReconstructOptions& options, const SurveyInput& input, PlacedSurvey placed,
                         const LayerFiles& files) {
   Workers workers;
-  PlacedSurvey placed = given;
   const auto law = resolve_law(input, placed, options.law, workers.executor());
   if (!law) return law.error();
   placed.samples.variance_m2.assign(placed.samples.size(), law->noise_sigma_m * law->noise_sigma_m);
 
   constexpr std::size_t kSteps = 1000;
   Progress progress(options.method, kSteps);
-  Drawings drawings(files, placed.place);
+  SurfaceFiles outputs(files, placed.place);
   const fractal::SurfaceRequest request{
       .grid = placed.grid,
       .law = law->map,
       .draws = options.draws,
       .seed = options.law.seed,
-      .on_draw = [&drawings](int k, const Grid<float>& draw_m) { drawings.take(k, draw_m); },
+      .on_draw = [&outputs](int k, const Grid<float>& draw_m) { outputs.take_draw(k, draw_m); },
       .on_progress = [&progress](double share) { progress.show(static_cast<std::size_t>(share * kSteps)); }};
   const auto answer = reconstruct_surface(options.method, placed, request, options.method_options, workers.executor());
   progress.clear();
   if (!answer) return answer.error();
-  if (!drawings.status()) return drawings.status().error();
-  if (Status status = drawings.write("mean", "mean / m", answer->estimate.mean_m); !status) return status.error();
-  if (Status status = drawings.write("sd", "standard deviation / m", answer->estimate.sd_m, false); !status)
-    return status.error();
+  if (Status status = outputs.finish(answer->estimate, options.draws); !status) return status.error();
 
-  remove_older(files, options.draws);
-  if (answer->estimate.rejected_cells > 0) {
-    const Grid<std::uint8_t>& rejected = answer->estimate.rejected;
-    Grid<float> layer(rejected.rows(), rejected.columns());
-    std::copy(rejected.begin(), rejected.end(), layer.begin());
-    if (Status status = drawings.write("rejected", "left out (1)", layer, false); !status) return status.error();
-  }
-
-  const ReconstructionReport report{options.method, input, placed, *law, *answer, options.draws, drawings.dimension()};
+  const ReconstructionReport report{
+      options.method, input, placed, *law, *answer, options.draws, outputs.dimension_of_draw()};
   if (!options.json)
     for (const std::string& remark : reconstruction_remarks(report)) spdlog::warn("{}", remark);
   if (Status status = print(options.json ? reconstruction_json(report) : reconstruction_line(report)); !status)
@@ -147,8 +100,8 @@ Result<int> run_reconstruct(const ReconstructOptions& options) {
   if (Status status = check_creatable(files->file("mean")); !status) return status.error();
   const auto input = read_survey(options.input, options.reading);
   if (!input) return input.error();
-  const auto placed = place_survey(*input, grid);
-  auto done = placed ? reconstruct(options, *input, *placed, *files) : Result<int>(placed.error());
+  auto placed = place_survey(*input, grid);
+  auto done = placed ? reconstruct(options, *input, *std::move(placed), *files) : Result<int>(placed.error());
   if (done || done.error().message.starts_with("--")) return done;
   return Error{done.error().kind, options.input + ": " + done.error().message};
 }
