@@ -253,18 +253,21 @@ TEST(Reconstruct, ALawThatTheSamplesContradictLeavesNoneOfThemOut) {
   }
 }
 
-// Two regions, the ground the same in both: a law of 40 times the amplitude in the west shows there alone; `auto` finds
-// what was given for the east: its draws are as rough as those of the known law, to the error of D from some 460
-// points.
+// Two regions, a law of 40 times the amplitude in the west. By the conditional law of the three corners displacements
+// are proportional to the amplitude, so the spreads differ by 40 times what the places of the samples make of either
+// half: 8 realisations of 2900 cells each err by 1 %, the two geometries by some percent, 20 % are many of them. `auto`
+// in the east finds the law that its ground was made with from 460 clean points: D to .035 and the change over a
+// spacing to 3 %, 30 % are 4 standard deviations of the change over a metre.
 TEST(Reconstruct, RegionsOfInfluenceHaveTheirOwnLawGivenOrEstimated) {
   const TemporaryFolder folder;
   const auto points = sparse_points(folder, 0.1);
   const auto rough = [&](const std::string& east, const std::string& west) {
     const std::string text = fmt::format("x_m,y_m,dimension,amplitude_m\n{},{},{}\n{},{},{}\n", kEast + 12.0,
                                          kNorth + 24.0, west, kEast + 36.0, kNorth + 24.0, east);
-    const auto finished = scree(reconstruct(folder, points,
-                                            {"--extent", kWhole, "--method", "barycentre", "--dimension", "2.4",
-                                             "--amplitude-m", "0.2", "--regions", write(folder, "r.csv", text)}));
+    const auto finished =
+        scree(reconstruct(folder, points,
+                          {"--extent", kWhole, "--method", "barycentre", "--dimension", "2.4", "--amplitude-m", "0.2",
+                           "--barycentre-law", "conditional", "--regions", write(folder, "r.csv", text)}));
     EXPECT_EQ(finished.exit_code, 0) << finished.err;
     const Grid<float> sd = layer(folder, "sd");
     double sums[2] = {0.0, 0.0};
@@ -275,7 +278,7 @@ TEST(Reconstruct, RegionsOfInfluenceHaveTheirOwnLawGivenOrEstimated) {
     return std::pair(sums[0], sums[1]);
   };
   const auto known = rough("2.4,0.2", "2.4,8"), estimated = rough("auto,auto", "2.4,8");
-  EXPECT_GT(known.first / known.second, 40.0) << "the published variance takes off one number for all triangles";
+  EXPECT_NEAR(known.first / known.second, 40.0, 8.0);
   EXPECT_NEAR(estimated.second / known.second, 1.0, 0.3);
   EXPECT_NEAR(estimated.first / known.first, 1.0, 1e-3);
 }
