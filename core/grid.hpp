@@ -48,6 +48,11 @@ class Grid {
     cells_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns), fill);
   }
 
+  /// Sets the shape; what the cells hold is anything if it was another one. For grids that are written whole.
+  void reshape(int rows, int columns) {
+    if (rows != rows_ || columns != columns_) assign(rows, columns, T{});
+  }
+
   friend bool operator==(const Grid&, const Grid&) = default;
 
  private:

@@ -66,6 +66,18 @@ struct Batch {
   }
 };
 
+/// How far `to` has moved from `from`, if they share a cell and their shape.
+struct Move {
+  bool overlaps = false;
+  int down = 0, right = 0;
+};
+Move move_of(const LatticeWindow& from, const LatticeWindow& to) {
+  const std::int64_t down = std::int64_t{to.min.y} - from.min.y, right = std::int64_t{to.min.x} - from.min.x;
+  if (to.rows != from.rows || to.columns != from.columns || std::abs(down) >= to.rows || std::abs(right) >= to.columns)
+    return {};
+  return {true, static_cast<int>(down), static_cast<int>(right)};
+}
+
 }  // namespace
 
 DimensionMapper::DimensionMapper(const DimensionMapConfig& config)
@@ -73,30 +85,37 @@ DimensionMapper::DimensionMapper(const DimensionMapConfig& config)
   dimension_tables(Support::block);  // 0.2 s that the first frame of a live map need not wait for
 }
 
-void DimensionMapper::clear(int rows, int columns) {
-  planes_.clear(rows, columns);
-  for (Grid<float>* grid : {&map_.dimension, &map_.dimension_sigma, &map_.amplitude_m})
-    grid->assign(rows, columns, kNaN);
-  map_.flags.assign(rows, columns, kTooLittleData);
-  stale_.assign(rows, columns, 1);
+void DimensionMapper::scroll_planes(const LatticeWindow& window) {
+  const Move move = move_of(planes_window_, window);
+  planes_window_ = window;
+  if (move.overlaps)
+    planes_.scroll(move.down, move.right);
+  else
+    planes_.clear(window.rows, window.columns);
 }
 
-void DimensionMapper::scroll_to(const LatticeWindow& window) {
-  const std::int64_t down = std::int64_t{window.min.y} - window_.min.y,
-                     right = std::int64_t{window.min.x} - window_.min.x;
-  const bool overlap = window.rows == window_.rows && window.columns == window_.columns &&
-                       std::abs(down) < window.rows && std::abs(right) < window.columns;
+void DimensionMapper::scroll_map(const LatticeWindow& window) {
+  const Move move = move_of(window_, window);
   window_ = window;
-  if (!overlap) return clear(window.rows, window.columns);
-  if (down == 0 && right == 0) return;
-  const int rows = static_cast<int>(down), columns = static_cast<int>(right);
-  planes_.scroll(rows, columns);
-  for (Grid<float>* grid : {&map_.dimension, &map_.dimension_sigma, &map_.amplitude_m})
-    scroll_plane([&](int r) { return grid->row(r).data(); }, window.rows, window.columns, rows, columns, kNaN);
-  scroll_plane([&](int r) { return map_.flags.row(r).data(); }, window.rows, window.columns, rows, columns,
-               std::uint8_t{kTooLittleData});
-  scroll_plane([&](int r) { return stale_.row(r).data(); }, window.rows, window.columns, rows, columns,
-               std::uint8_t{1});
+  if (!move.overlaps) {
+    for (Grid<float>* grid : {&map_.dimension, &map_.dimension_sigma, &map_.amplitude_m})
+      grid->assign(window.rows, window.columns, kNaN);
+    map_.flags.assign(window.rows, window.columns, kTooLittleData);
+    stale_.assign(window.rows, window.columns, 1);
+    return;
+  }
+  if (move.down == 0 && move.right == 0) return;
+  const auto scroll = [&](auto& grid, auto fill) {
+    scroll_plane([&](int r) { return grid.row(r).data(); }, window.rows, window.columns, move.down, move.right, fill);
+  };
+  for (Grid<float>* grid : {&map_.dimension, &map_.dimension_sigma, &map_.amplitude_m}) scroll(*grid, kNaN);
+  scroll(map_.flags, std::uint8_t{kTooLittleData});
+  scroll(stale_, std::uint8_t{1});
+}
+
+const DimensionMap& DimensionMapper::follow(const LatticeWindow& window) {
+  scroll_map(window);
+  return map_;
 }
 
 void DimensionMapper::fit_row(const DimensionTables& tables, const Grid<std::uint8_t>* wanted, int row) {
@@ -130,7 +149,8 @@ const DimensionMap& DimensionMapper::update(const LatticeWindow& window, const G
   assert(height_m.rows() == window.rows && height_m.columns() == window.columns);
   assert(variance_m2.rows() == window.rows && variance_m2.columns() == window.columns);
   assert(hits.rows() == window.rows && hits.columns() == window.columns);
-  scroll_to(window);
+  scroll_planes(window);
+  scroll_map(window);
   planes_.update({height_m, variance_m2, hits}, executor);
   fit(nullptr, executor);
   return map_;
@@ -140,7 +160,8 @@ const DimensionMap& DimensionMapper::update(const LatticeWindow& window, const G
                                             const Grid<float>& variance_m2, const Grid<std::uint16_t>& hits,
                                             const Grid<std::uint8_t>& wanted, Executor& executor) {
   assert(wanted.rows() == window.rows && wanted.columns() == window.columns);
-  scroll_to(window);
+  scroll_planes(window);
+  scroll_map(window);
   planes_.update({height_m, variance_m2, hits}, executor);
   fit(&wanted, executor);
   return map_;
@@ -156,9 +177,9 @@ void DimensionMapper::fit(const Grid<std::uint8_t>* wanted, Executor& executor) 
 
 void DimensionMapper::update(const Grid<float>& height_m, const Grid<float>& variance_m2,
                              const Grid<std::uint16_t>& hits, Executor& executor, DimensionMap& out) {
-  window_ = {};
+  window_ = planes_window_ = {};
   out = update(LatticeWindow{{0, 0}, height_m.rows(), height_m.columns()}, height_m, variance_m2, hits, executor);
-  window_ = {};
+  window_ = planes_window_ = {};
 }
 
 }  // namespace scree::fractal

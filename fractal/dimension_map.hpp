@@ -70,17 +70,20 @@ class DimensionMapper {
   /// and are made up to date by the first call that wants them.
   const DimensionMap& update(const LatticeWindow& window, const Grid<float>& height_m, const Grid<float>& variance_m2,
                              const Grid<std::uint16_t>& hits, const Grid<std::uint8_t>& wanted, Executor& executor);
+  /// The last map where `window` is now: nothing is computed, what enters has no D yet.
+  const DimensionMap& follow(const LatticeWindow& window);
 
  private:
-  void clear(int rows, int columns);
-  void scroll_to(const LatticeWindow& window);
+  void scroll_planes(const LatticeWindow& window);
+  void scroll_map(const LatticeWindow& window);
   void fit_row(const DimensionTables& tables, const Grid<std::uint8_t>* wanted, int row);
   void fit(const Grid<std::uint8_t>* wanted, Executor& executor);
 
   DimensionMapConfig config_;
   float log_cell_;
   EnergyPlanes planes_;
-  LatticeWindow window_;  ///< of the last update; no rows: none
+  LatticeWindow window_;         ///< of the map; no rows: none
+  LatticeWindow planes_window_;  ///< of the sums, which stay where they were last updated
   DimensionMap map_;
   Grid<std::uint8_t> stale_;  ///< 1 = the window has changed since the cell was fitted
 };

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/executor.hpp"
 #include "core/simd.hpp"
 #include "fractal/plane_scroll.hpp"
-#include "core/executor.hpp"
 
 namespace scree::mapping {
 

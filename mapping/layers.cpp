@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/executor.hpp"
 
@@ -79,30 +80,26 @@ void Layers::estimate_roughness(const LatticeWindow& window, Executor& executor)
   rough_ = &roughness_.update(window, ground_.height_m, place_variance_m2_, ground_.support, *closed_, executor);
 }
 
-const fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, Executor& executor) {
+fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, Executor& executor) {
   const auto seen = window_law_.estimate(*rough_, ground_.measured);
   if (seen) law_ = law_ ? follow(*law_, *seen) : *seen;
   if (!law_) return nullptr;
   return elevation_.update(ground_, window, *rough_, *law_, *closed_, executor);
 }
 
-void Layers::judge_risk(const fractal::Reconstruction* filled, Executor& executor, MapSnapshot& out) {
-  if (filled == nullptr) {
-    risk_ = {};
-    return;
-  }
+void Layers::judge_risk(const fractal::Reconstruction& filled, Executor& executor) {
   const fractal::LawMap& law = elevation_.law();
   const auto cell_m = static_cast<float>(config_.cell_m);
-  if (wheel_relief_m2_.rows() != out.window.rows || wheel_relief_m2_.columns() != out.window.columns)
-    wheel_relief_m2_.assign(out.window.rows, out.window.columns, 0.0F);
-  for_rows(executor, out.window.rows, [&](int begin, int end) {
+  const int rows = closed_->rows(), columns = closed_->columns();
+  wheel_relief_m2_.reshape(rows, columns);
+  for_rows(executor, rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row)
-      for (int column = 0; column < out.window.columns; ++column)
+      for (int column = 0; column < columns; ++column)
         wheel_relief_m2_(row, column) =
             std::max(kFaceVariances * ground_.relief_m2(row, column),
                      relief_by_law_m2(law.dimension(row, column), law.amplitude_m(row, column), cell_m));
   });
-  footprint_risk_.update(filled->draws_m, wheel_relief_m2_, executor, risk_);
+  footprint_risk_.update(filled.draws_m, wheel_relief_m2_, *closed_, executor, risk_);
 }
 
 void Layers::shape_outputs(MapSnapshot& out) const {
@@ -110,30 +107,43 @@ void Layers::shape_outputs(MapSnapshot& out) const {
   for (Grid<float>* grid : {&out.elevation_mean_m, &out.elevation_sigma_m, &out.dimension, &out.dimension_sigma,
                             &out.amplitude_m, &out.risk, &out.cell_age_s})
     grid->assign(rows, columns, kUnknown);
-  out.heading_risk.resize(static_cast<std::size_t>(config_.headings));
-  for (Grid<float>& grid : out.heading_risk) grid.assign(rows, columns, kUnknown);
-  out.draws_m.resize(static_cast<std::size_t>(config_.draws));
-  for (Grid<float>& grid : out.draws_m) grid.assign(rows, columns, kUnknown);
   out.cost.assign(rows, columns, kCostUnknown);
   out.hits.assign(rows, columns, 0);
   out.dimension_radius_cells.assign(rows, columns, 0);
   out.dimension_flags.assign(rows, columns, fractal::kTooLittleData);
 }
 
-void Layers::compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out) {
+void Layers::compute(const RollingGrid<MapCell>& map, Executor& executor, StageClock& clock, MapSnapshot& out) {
   const LatticeWindow& window = map.window();
   ground_.unroll(map, config_.cell_m, executor);
   lethal_.roll_to(window.min);
   closed_ = &states_.close(ground_, executor);
   estimate_roughness(window, executor);
-  const fractal::Reconstruction* filled = reconstruct(window, executor);
+  clock.lap(Stage::roughness);
+  fractal::Reconstruction* filled = reconstruct(window, executor);
+  clock.lap(Stage::elevation);
   states_.classify(ground_, filled, executor, out.state, out.elevation_m);
   shape_.update(out.elevation_m, ground_.noise_variance_m2, ground_.relief_m2, executor, out.slope_rad, out.step_m);
-  judge_risk(filled, executor, out);
+  clock.lap(Stage::shape);
+  if (filled != nullptr) judge_risk(*filled, executor);
+  clock.lap(Stage::risk);
   shape_outputs(out);
   for_rows(executor, window.rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) publish_row(row, filled, out);
   });
+  hand_over(filled, out);
+  clock.lap(Stage::publish);
+}
+
+/// The snapshot's old buffers become the next frame's.
+void Layers::hand_over(fractal::Reconstruction* filled, MapSnapshot& out) {
+  if (filled == nullptr) {
+    out.draws_m.clear();
+    out.heading_risk.clear();
+    return;
+  }
+  std::swap(out.draws_m, filled->draws_m);
+  std::swap(out.heading_risk, risk_.sector);
 }
 
 void Layers::publish_row(int row, const fractal::Reconstruction* filled, MapSnapshot& out) {
@@ -157,10 +167,6 @@ void Layers::publish_row(int row, const fractal::Reconstruction* filled, MapSnap
     if (filled != nullptr && (measured || cell.state == CellState::reconstructed)) {
       cell.risk = out.risk(row, column) = risk_.worst(row, column);
       cell.tail = risk_.tail(row, column);
-      for (std::size_t h = 0; h < risk_.sector.size(); ++h)
-        out.heading_risk[h](row, column) = risk_.sector[h](row, column);
-      for (std::size_t k = 0; k < filled->draws_m.size(); ++k)
-        out.draws_m[k](row, column) = filled->draws_m[k](row, column);
     }
     out.cost(row, column) = guarded_cost(cell.state, cell_cost(cell, config_.cost), lethal_(row, column));
   }

@@ -23,13 +23,14 @@ class Layers {
  public:
   explicit Layers(const MapConfig& config);
   /// Sets every grid of `out`.
-  void compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out);
+  void compute(const RollingGrid<MapCell>& map, Executor& executor, StageClock& clock, MapSnapshot& out);
 
  private:
   void estimate_roughness(const LatticeWindow& window, Executor& executor);
-  const fractal::Reconstruction* reconstruct(const LatticeWindow& window, Executor& executor);
-  void judge_risk(const fractal::Reconstruction* filled, Executor& executor, MapSnapshot& out);
+  fractal::Reconstruction* reconstruct(const LatticeWindow& window, Executor& executor);
+  void judge_risk(const fractal::Reconstruction& filled, Executor& executor);
   void shape_outputs(MapSnapshot& out) const;
+  void hand_over(fractal::Reconstruction* filled, MapSnapshot& out);
   void publish_row(int row, const fractal::Reconstruction* filled, MapSnapshot& out);
 
   MapConfig config_;

@@ -63,10 +63,9 @@ void LocalElevation::set_ceilings(const GroundLayers& ground, const Grid<std::ui
   });
 }
 
-const fractal::Reconstruction* LocalElevation::update(const GroundLayers& ground, const LatticeWindow& window,
-                                                      const RoughnessMap& roughness,
-                                                      const fractal::FractalLaw& window_law,
-                                                      const Grid<std::uint8_t>& predicted, Executor& executor) {
+fractal::Reconstruction* LocalElevation::update(const GroundLayers& ground, const LatticeWindow& window,
+                                                const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
+                                                const Grid<std::uint8_t>& predicted, Executor& executor) {
   if (std::find(ground.measured.begin(), ground.measured.end(), 1) == ground.measured.end()) return nullptr;
   learn(ground, window, executor);
   law_.update(window, roughness, window_law, calibration_.factor(), executor);

@@ -29,10 +29,11 @@ class LocalElevation {
   explicit LocalElevation(const LocalElevationConfig& config);
 
   /// `predicted`: 1 = cells that the map vouches for between measured ones; ceilings count there alone, and innovations
-  /// are learnt from there. Null while nothing was ever measured. Valid until the next call.
-  const fractal::Reconstruction* update(const GroundLayers& ground, const LatticeWindow& window,
-                                        const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
-                                        const Grid<std::uint8_t>& predicted, Executor& executor);
+  /// are learnt from there. Null while nothing was ever measured. Valid until the next call; the caller may take the
+  /// draws away.
+  fractal::Reconstruction* update(const GroundLayers& ground, const LatticeWindow& window,
+                                  const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
+                                  const Grid<std::uint8_t>& predicted, Executor& executor);
 
   /// Of the last update.
   const fractal::LawMap& law() const { return law_.law(); }

@@ -102,11 +102,18 @@ Result<StepReport> Mapper::step(const RangeFrame& frame) {
     if (const Status ok = on_lattice(frame.T_map_body.back().translation_m, frame.sequence, s.config.cell_m); !ok)
       return ok.error();
   }
+  StageClock clock;
   if (const Status ok = s.converter.convert(frame, s.known_ground, s.executor, s.points); !ok) return ok.error();
-  return integrate(s.points);
+  clock.lap(Stage::convert);
+  return integrate(s.points, clock);
 }
 
 Result<StepReport> Mapper::integrate(const PointFrame& points) {
+  StageClock clock;
+  return integrate(points, clock);
+}
+
+Result<StepReport> Mapper::integrate(const PointFrame& points, StageClock& clock) {
   State& s = *state_;
   const Eigen::Vector3d& body_map_m = points.T_map_body.translation_m;
   if (const Status ok = on_lattice(body_map_m, points.sequence, s.config.cell_m); !ok) return ok.error();
@@ -114,7 +121,9 @@ Result<StepReport> Mapper::integrate(const PointFrame& points) {
   s.follow(body_map_m);
   s.cell_points.sort(points, s.map.window(), s.config.cell_m, s.executor);
   const FusionCounts counts = s.fusion.fuse(s.cell_points, points.anchor_map_m.z(), s.executor, s.map);
+  clock.lap(Stage::fuse);
   s.visibility.update(points, s.cell_points, s.executor, s.map);
+  clock.lap(Stage::look);
 
   s.latest.reset();  // with no reader left its buffers are the next snapshot's
   const std::shared_ptr<MapSnapshot> next = s.pool.acquire();
@@ -124,7 +133,7 @@ Result<StepReport> Mapper::integrate(const PointFrame& points) {
   next->data_time = points.time;
   next->received = points.received;
   next->T_map_body = points.T_map_body;
-  s.layers.compute(s.map, s.executor, *next);
+  s.layers.compute(s.map, s.executor, clock, *next);
   s.latest = next;
 
   StepReport report;
@@ -133,6 +142,7 @@ Result<StepReport> Mapper::integrate(const PointFrame& points) {
   report.points_outside = s.cell_points.outside();
   report.points_outlier = counts.outlier;
   report.points_other_surface = counts.other_surface;
+  report.stages = clock.times();
   return report;
 }
 

@@ -10,6 +10,7 @@
 #include "drivers/frame/range_frame.hpp"
 #include "mapping/cost.hpp"
 #include "mapping/snapshot.hpp"
+#include "mapping/stages.hpp"
 #include "mapping/vehicle.hpp"
 
 namespace scree::mapping {
@@ -37,6 +38,7 @@ struct StepReport {
   std::uint64_t points_outside = 0;        ///< outside the window, or not finite
   std::uint64_t points_outlier = 0;        ///< contradicted the stored height
   std::uint64_t points_other_surface = 0;  ///< canopy, overhang, or the other side of an edge inside a cell
+  StageTimes stages;                       ///< the one thing here that differs from run to run
 };
 
 class Mapper {
@@ -60,6 +62,8 @@ class Mapper {
   std::shared_ptr<const MapSnapshot> snapshot();
 
  private:
+  Result<StepReport> integrate(const PointFrame& points, StageClock& clock);
+
   struct State;
   std::unique_ptr<State> state_;
 };

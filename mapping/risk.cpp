@@ -47,45 +47,58 @@ void FootprintRisk::step_row(const Grid<float>& draw_m, const Grid<float>& relie
   risk_rows::step_load(relief_m2.row(row).data(), static_cast<float>(1.0 / config_.vehicle.max_step_m), columns, best);
 }
 
-void FootprintRisk::risk_row(const std::vector<Grid<float>>& draws_m, int row, Risk& out) const {
-  const int n = draws_m.front().columns() - 2 * reach_;
+void FootprintRisk::risk_block(const std::vector<Grid<float>>& draws_m, int row, int column, int count,
+                               Risk& out) const {
   const VehicleConfig& vehicle = config_.vehicle;
   const risk_rows::Limits limits{static_cast<float>(1.0 / std::tan(vehicle.max_pitch_rad)),
                                  static_cast<float>(1.0 / std::tan(vehicle.max_roll_rad)),
                                  static_cast<float>(1.0 / vehicle.clearance_m)};
-  float *worst = out.worst.row(row).data() + reach_, *tail = out.tail.row(row).data() + reach_;
-  std::fill_n(worst, n, 0.0F);
-  std::fill_n(tail, n, 0.0F);
+  float *worst = out.worst.row(row).data() + column, *tail = out.tail.row(row).data() + column;
+  std::fill_n(worst, count, 0.0F);
+  std::fill_n(tail, count, 0.0F);
   risk_rows::Sums sums;
-  for (int first = 0; first < n; first += risk_rows::kBlock) {
-    const int count = std::min(risk_rows::kBlock, n - first), column = reach_ + first;
-    for (std::size_t h = 0; h < footprints_.size(); ++h) {
-      sums.clear();
-      for (std::size_t k = 0; k < draws_m.size(); ++k)
-        risk_rows::add_loads(footprints_[h], limits, draws_m[k], steps_[k], row, column, count, sums);
-      risk_rows::finish(sums, static_cast<int>(draws_m.size()), kModelError, count,
-                        out.sector[h].row(row).data() + column, worst + first, tail + first);
-    }
+  for (std::size_t h = 0; h < footprints_.size(); ++h) {
+    sums.clear();
+    for (std::size_t k = 0; k < draws_m.size(); ++k)
+      risk_rows::add_loads(footprints_[h], limits, draws_m[k], steps_[k], row, column, count, sums);
+    risk_rows::finish(sums, static_cast<int>(draws_m.size()), kModelError, count,
+                      out.sector[h].row(row).data() + column, worst, tail);
   }
 }
 
-void FootprintRisk::update(const std::vector<Grid<float>>& draws_m, const Grid<float>& relief_m2, Executor& executor,
-                           Risk& out) {
+/// Pieces that begin at the first cell that is asked for and not yet done.
+void FootprintRisk::risk_row(const std::vector<Grid<float>>& draws_m, const Grid<std::uint8_t>& asked, int row,
+                             Risk& out) const {
+  const auto cells = asked.row(row);
+  const int end = static_cast<int>(cells.size()) - reach_;
+  for (int column = reach_; column < end;) {
+    if (cells[static_cast<std::size_t>(column)] == 0) {
+      ++column;
+      continue;
+    }
+    int last = std::min(column + risk_rows::kBlock, end);
+    while (cells[static_cast<std::size_t>(last) - 1] == 0) --last;
+    risk_block(draws_m, row, column, last - column, out);
+    column = last;
+  }
+}
+
+void FootprintRisk::update(const std::vector<Grid<float>>& draws_m, const Grid<float>& relief_m2,
+                           const Grid<std::uint8_t>& asked, Executor& executor, Risk& out) {
   const int rows = relief_m2.rows(), columns = relief_m2.columns();
   out.sector.resize(footprints_.size());
   for (Grid<float>& grid : out.sector) grid.assign(rows, columns, kUnknown);
   for (Grid<float>* grid : {&out.worst, &out.tail}) grid->assign(rows, columns, kUnknown);
   if (rows <= 2 * reach_ || columns <= 2 * reach_) return;
   steps_.resize(draws_m.size());
-  for (Grid<float>& step : steps_)
-    if (step.rows() != rows || step.columns() != columns) step.assign(rows, columns, 0.0F);
+  for (Grid<float>& step : steps_) step.reshape(rows, columns);
   const auto steps = [&](int begin, int end) {
     for (std::size_t k = 0; k < draws_m.size(); ++k)
       for (int row = begin; row < end; ++row) step_row(draws_m[k], relief_m2, row, steps_[k]);
   };
   for_rows(executor, rows, steps);
   const auto risks = [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) risk_row(draws_m, row + reach_, out);
+    for (int row = begin; row < end; ++row) risk_row(draws_m, asked, row + reach_, out);
   };
   for_rows(executor, rows - 2 * reach_, risks);
 }

@@ -1,6 +1,7 @@
 #pragma once
 // How likely the vehicle comes to grief on a cell, from what the ground may look like.
 
+#include <cstdint>
 #include <vector>
 
 #include "core/executor.hpp"
@@ -16,8 +17,8 @@ struct RiskConfig {
   VehicleConfig vehicle;
 };
 
-/// What the draws say of each cell. Grids of the draws' shape; NaN within a footprint of the border, where the vehicle
-/// would stand on cells that the window does not hold.
+/// What the draws say of each cell that was asked for. Grids of the draws' shape; NaN elsewhere, and within a footprint
+/// of the border, where the vehicle would stand on cells that the window does not hold.
 struct Risk {
   Grid<float> worst;                ///< largest probability over the headings that a limit is violated, 0 … 1
   std::vector<Grid<float>> sector;  ///< of each heading
@@ -39,12 +40,13 @@ class FootprintRisk {
   /// draws_m: K ≥ 2 grids of one shape without NaN. relief_m2: mean square of the step that a wheel meets inside a
   /// cell, beyond the cells' heights. Row-parallel, same bytes for any executor; no allocation when the shape stays.
   /// Cost: O(cells · K · headings · (wheels + belly)), vectorised over cells.
-  void update(const std::vector<Grid<float>>& draws_m, const Grid<float>& relief_m2, Executor& executor, Risk& out);
+  void update(const std::vector<Grid<float>>& draws_m, const Grid<float>& relief_m2, const Grid<std::uint8_t>& asked,
+              Executor& executor, Risk& out);
 
  private:
-  struct Row;
   void step_row(const Grid<float>& draw_m, const Grid<float>& relief_m2, int row, Grid<float>& step) const;
-  void risk_row(const std::vector<Grid<float>>& draws_m, int row, Risk& out) const;
+  void risk_row(const std::vector<Grid<float>>& draws_m, const Grid<std::uint8_t>& asked, int row, Risk& out) const;
+  void risk_block(const std::vector<Grid<float>>& draws_m, int row, int column, int count, Risk& out) const;
 
   RiskConfig config_;
   std::vector<Footprint> footprints_;

@@ -1,6 +1,6 @@
 #include "mapping/risk_rows.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 #include "core/simd.hpp"
 #include "fractal/lanes.hpp"
@@ -11,30 +11,49 @@ namespace {
 
 using Line = std::array<float, kBlock>;
 
-struct Plane {
-  alignas(64) Line level, along, across;
+/// Plane and steps under the vehicle, per cell.
+struct Stand {
+  alignas(64) Line level, along, across, step;
 };
 
-SCREE_CLONES void add_wheel(const float* __restrict z, float level, float along, float across, int n,
-                            float* __restrict to_level, float* __restrict to_along, float* __restrict to_across) {
+struct Wheels {
+  std::array<const float*, Footprint::kWheels> z, step;
+  std::array<float, Footprint::kWheels> level, along, across;
+};
+
+SCREE_CLONES void stand_on(const Wheels& w, int n, Stand& out) {
   for (int i = 0; i < n; ++i) {
-    to_level[i] += level * z[i];
-    to_along[i] += along * z[i];
-    to_across[i] += across * z[i];
+    const float a = w.z[0][i], b = w.z[1][i], c = w.z[2][i], d = w.z[3][i];
+    const auto cell = static_cast<std::size_t>(i);
+    out.level[cell] = (w.level[0] * a + w.level[1] * b) + (w.level[2] * c + w.level[3] * d);
+    out.along[cell] = (w.along[0] * a + w.along[1] * b) + (w.along[2] * c + w.along[3] * d);
+    out.across[cell] = (w.across[0] * a + w.across[1] * b) + (w.across[2] * c + w.across[3] * d);
+    const float front = w.step[0][i] > w.step[1][i] ? w.step[0][i] : w.step[1][i];
+    const float rear = w.step[2][i] > w.step[3][i] ? w.step[2][i] : w.step[3][i];
+    out.step[cell] = front > rear ? front : rear;
   }
 }
 
-SCREE_CLONES void raise(const float* __restrict value, int n, float* __restrict best) {
-  for (int i = 0; i < n; ++i) best[i] = value[i] > best[i] ? value[i] : best[i];
+/// Four places under the belly at a time: a pass is bound by what it loads (docs/mapping.md).
+constexpr std::size_t kTogether = 4;
+struct Places {
+  std::array<const float*, kTogether> z;
+  std::array<float, kTogether> along_m, across_m;
+};
+
+SCREE_INLINE float above(const Places& p, std::size_t k, int i, float level, float along, float across) {
+  return p.z[k][i] - (level + p.along_m[k] * along + p.across_m[k] * across);
 }
 
-/// What stands above the plane at one place under the belly.
-SCREE_CLONES void raise_belly(const float* __restrict z, float along_m, float across_m, const float* __restrict level,
-                              const float* __restrict along, const float* __restrict across, int n,
-                              float* __restrict best) {
+/// What stands above the plane at the places.
+SCREE_CLONES void raise_belly(const Places& p, const Stand& stand, int n, float* __restrict best) {
   for (int i = 0; i < n; ++i) {
-    const float above = z[i] - (level[i] + along_m * along[i] + across_m * across[i]);
-    best[i] = above > best[i] ? above : best[i];
+    const auto cell = static_cast<std::size_t>(i);
+    const float level = stand.level[cell], along = stand.along[cell], across = stand.across[cell];
+    const float a = above(p, 0, i, level, along, across), b = above(p, 1, i, level, along, across);
+    const float c = above(p, 2, i, level, along, across), d = above(p, 3, i, level, along, across);
+    const float ab = a > b ? a : b, cd = c > d ? c : d, most = ab > cd ? ab : cd;
+    best[i] = most > best[i] ? most : best[i];
   }
 }
 
@@ -76,21 +95,29 @@ SCREE_CLONES void step_load(const float* relief_m2, float scale, int n, float* b
 
 void add_loads(const Footprint& footprint, const Limits& limits, const Grid<float>& draw_m, const Grid<float>& step,
                int row, int column, int n, Sums& sums) {
-  Plane plane;
-  alignas(64) Line belly, steps;
-  for (auto* line : {&plane.level, &plane.along, &plane.across, &belly, &steps}) line->fill(0.0F);
   const auto at = [&](const Grid<float>& grid, const Footprint::Part& part) {
     return grid.row(row + part.offset.y).data() + column + part.offset.x;
   };
+  Wheels wheels{{}, {}, footprint.level, footprint.along, footprint.across};
   for (std::size_t w = 0; w < footprint.wheels.size(); ++w) {
-    add_wheel(at(draw_m, footprint.wheels[w]), footprint.level[w], footprint.along[w], footprint.across[w], n,
-              plane.level.data(), plane.along.data(), plane.across.data());
-    raise(at(step, footprint.wheels[w]), n, steps.data());
+    wheels.z[w] = at(draw_m, footprint.wheels[w]);
+    wheels.step[w] = at(step, footprint.wheels[w]);
   }
-  for (const Footprint::Part& part : footprint.belly)
-    raise_belly(at(draw_m, part), part.along_m, part.across_m, plane.level.data(), plane.along.data(),
-                plane.across.data(), n, belly.data());
-  take_loads(belly.data(), plane.along.data(), plane.across.data(), steps.data(), limits, n, sums.sum.data(),
+  Stand stand;
+  stand_on(wheels, n, stand);
+  alignas(64) Line belly;
+  std::fill_n(belly.begin(), n, 0.0F);
+  for (std::size_t first = 0; first < footprint.belly.size(); first += kTogether) {
+    Places places;
+    for (std::size_t k = 0; k < kTogether; ++k) {  // the last place stands in for those that are missing
+      const Footprint::Part& part = footprint.belly[std::min(first + k, footprint.belly.size() - 1)];
+      places.z[k] = at(draw_m, part);
+      places.along_m[k] = part.along_m;
+      places.across_m[k] = part.across_m;
+    }
+    raise_belly(places, stand, n, belly.data());
+  }
+  take_loads(belly.data(), stand.along.data(), stand.across.data(), stand.step.data(), limits, n, sums.sum.data(),
              sums.square.data(), sums.first.data(), sums.second.data());
 }
 

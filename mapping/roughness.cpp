@@ -1,9 +1,7 @@
 #include "mapping/roughness.hpp"
 
-#include <cstdlib>
 #include <limits>
 
-#include "fractal/plane_scroll.hpp"
 #include "core/executor.hpp"
 
 namespace scree::mapping {
@@ -32,18 +30,9 @@ bool Roughness::small_is_certain(int row, int column) const {
          !(small_map_->dimension_sigma(row, column) > static_cast<float>(config_.sigma_target));
 }
 
-void Roughness::ask_row(const Grid<std::uint8_t>& wanted, int row) {
-  for (int column = 0; column < wanted.columns(); ++column) {
-    const auto field = static_cast<unsigned>(window_.min.y + row) + static_cast<unsigned>(window_.min.x + column);
-    const bool due = (field + turn_) % 2 == 0 || fresh_(row, column) != 0;
-    asked_(row, column) = static_cast<std::uint8_t>(wanted(row, column) != 0 && due ? 1 : 0);
-    if (asked_(row, column) != 0) fresh_(row, column) = 0;
-  }
-}
-
-void Roughness::ask_large_row(int row) {
+void Roughness::ask_large_row(const Grid<std::uint8_t>& wanted, int row) {
   for (int column = 0; column < asked_.columns(); ++column)
-    if (small_is_certain(row, column)) asked_(row, column) = 0;
+    asked_(row, column) = static_cast<std::uint8_t>(wanted(row, column) != 0 && !small_is_certain(row, column) ? 1 : 0);
 }
 
 void Roughness::choose_row(const Grid<std::uint8_t>& wanted, int row) {
@@ -62,32 +51,27 @@ void Roughness::choose_row(const Grid<std::uint8_t>& wanted, int row) {
   }
 }
 
-void Roughness::move_to(const LatticeWindow& window) {
-  const std::int64_t down = std::int64_t{window.min.y} - window_.min.y,
-                     right = std::int64_t{window.min.x} - window_.min.x;
-  const bool overlap = window.rows == window_.rows && window.columns == window_.columns &&
-                       std::abs(down) < window.rows && std::abs(right) < window.columns;
-  window_ = window;
-  ++turn_;
-  asked_.assign(window.rows, window.columns, 0);
-  if (!overlap) return fresh_.assign(window.rows, window.columns, 1);
-  fractal::scroll_plane([&](int r) { return fresh_.row(r).data(); }, window.rows, window.columns,
-                        static_cast<int>(down), static_cast<int>(right), std::uint8_t{1});
-}
-
 const RoughnessMap& Roughness::update(const LatticeWindow& window, const Grid<float>& height_m,
                                       const Grid<float>& variance_m2, const Grid<std::uint16_t>& support,
                                       const Grid<std::uint8_t>& wanted, Executor& executor) {
-  move_to(window);
   const auto rows = [&](auto&& body) {
     for_rows(executor, window.rows, [&](int begin, int end) {
       for (int row = begin; row < end; ++row) body(row);
     });
   };
-  rows([&](int row) { ask_row(wanted, row); });
-  small_map_ = &small_.update(window, height_m, variance_m2, support, asked_, executor);
-  rows([&](int row) { ask_large_row(row); });
-  large_map_ = &large_.update(window, height_m, variance_m2, support, asked_, executor);
+  asked_.reshape(window.rows, window.columns);
+  if (turn_ % 2 == 0) {
+    small_map_ = &small_.update(window, height_m, variance_m2, support, wanted, executor);
+  } else {
+    small_map_ = &small_.follow(window);
+  }
+  if (turn_ % 2 == 1 || turn_ == 0) {
+    rows([&](int row) { ask_large_row(wanted, row); });
+    large_map_ = &large_.update(window, height_m, variance_m2, support, asked_, executor);
+  } else {
+    large_map_ = &large_.follow(window);
+  }
+  ++turn_;
   if (map_.flags.rows() != window.rows || map_.flags.columns() != window.columns) {
     for (Grid<float>* grid : {&map_.dimension, &map_.dimension_sigma, &map_.amplitude_m})
       grid->assign(window.rows, window.columns, kUnknown);

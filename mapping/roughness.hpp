@@ -28,10 +28,10 @@ class Roughness {
   explicit Roughness(const RoughnessConfig& config);
 
   /// Heights (NaN = unknown), the noise variance of each, and their support, at `window` of the lattice: see
-  /// fractal::DimensionMapper::update. `wanted`: 1 = cells whose roughness is asked for; the others have none. Every
-  /// second of them (the fields of a chessboard on the lattice, black and white in turns) is brought up to date by a
-  /// call, so D is at most one frame old; a cell that has none yet does not wait. The result is valid until the next
-  /// call. Row-parallel, no allocation when the shape stays.
+  /// fractal::DimensionMapper::update. `wanted`: 1 = cells whose roughness is asked for; the others have none. The
+  /// small and the large windows are brought up to date in turns, one a call (the first call does both), the large ones
+  /// where the small do not suffice: D is at most one frame old. The result is valid until the next call. Row-parallel,
+  /// no allocation when the shape stays.
   const RoughnessMap& update(const LatticeWindow& window, const Grid<float>& height_m, const Grid<float>& variance_m2,
                              const Grid<std::uint16_t>& support, const Grid<std::uint8_t>& wanted, Executor& executor);
 
@@ -39,19 +39,15 @@ class Roughness {
   const fractal::DimensionMap& large() const { return *large_map_; }
 
  private:
-  void move_to(const LatticeWindow& window);
   bool small_is_certain(int row, int column) const;
-  void ask_row(const Grid<std::uint8_t>& wanted, int row);
-  void ask_large_row(int row);
+  void ask_large_row(const Grid<std::uint8_t>& wanted, int row);
   void choose_row(const Grid<std::uint8_t>& wanted, int row);
 
   RoughnessConfig config_;
   fractal::DimensionMapper small_, large_;
   const fractal::DimensionMap *small_map_ = nullptr, *large_map_ = nullptr;
-  LatticeWindow window_;  ///< of the last update
   unsigned turn_ = 0;
-  Grid<std::uint8_t> asked_;  ///< of the small windows, then of the large ones
-  Grid<std::uint8_t> fresh_;  ///< cells that were never asked for
+  Grid<std::uint8_t> asked_;  ///< of the large windows
   RoughnessMap map_;
 };
 

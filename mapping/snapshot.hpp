@@ -27,14 +27,15 @@ struct MapSnapshot {
 
   Grid<std::uint8_t> cost;
   Grid<CellState> state;
-  Grid<float> elevation_m;           ///< measured: fused height; reconstructed: draw 0 of the posterior
-  Grid<float> elevation_mean_m;      ///< measured: fused height; reconstructed: mean of the posterior
-  Grid<float> elevation_sigma_m;     ///< one standard deviation of elevation_mean_m's error
-  std::vector<Grid<float>> draws_m;  ///< posterior draws that are alike from frame to frame, wherever there is a mean
-  /// Probability that the vehicle, centred on the cell, violates one of its limits: at the worst heading, and by sector
-  /// k of headings about (k + ½)·180°/n, n = heading_risk.size(), from the map's x axis to its y axis; driving
-  /// backwards is the same.
-  Grid<float> risk;
+  Grid<float> elevation_m;        ///< measured: fused height; reconstructed: draw 0 of the posterior
+  Grid<float> elevation_mean_m;   ///< measured: fused height; reconstructed: mean of the posterior
+  Grid<float> elevation_sigma_m;  ///< one standard deviation of elevation_mean_m's error
+  /// K posterior draws that are alike from frame to frame, of the whole window: what `state` vouches for are measured
+  /// and reconstructed cells. Empty, like heading_risk, before there is a law of the ground.
+  std::vector<Grid<float>> draws_m;
+  Grid<float> risk;  ///< probability that the vehicle, centred on the cell, violates a limit at the worst heading
+  /// The same by sector k of headings about (k + ½)·180°/n, n = heading_risk.size(), from the map's x axis to its y
+  /// axis (driving backwards is the same), where `risk` is known.
   std::vector<Grid<float>> heading_risk;
   Grid<float> cell_age_s;  ///< data_time less the time of the cell's newest return; NaN where not measured
   Grid<float> dimension;   ///< D; NaN where there is too little data

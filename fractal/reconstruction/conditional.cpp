@@ -35,15 +35,17 @@ void ConditionalReconstructor::reconstruct(const Grid<float>& height_m, const Gr
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   Solver& work = *solver_;
   out.draws_m.resize(static_cast<std::size_t>(work.fields()));
-  for (Grid<float>& draw : out.draws_m) draw.assign(window.rows, window.columns, kNaN);
-  out.mean_m.assign(window.rows, window.columns, kNaN);
+  for (Grid<float>& draw : out.draws_m) draw.reshape(window.rows, window.columns);
+  out.mean_m.reshape(window.rows, window.columns);
   out.mean_square_m2.assign(0, 0, kNaN);
   out.sd_m.assign(0, 0, kNaN);
   out.iterations = 0;
   out.converged = false;
   work.window = window;
   if (work.problem.load(height_m, variance_m2, law, window.min, work.config.cell_m))
-    work.run({height_m, variance_m2, ceiling_m}, law, executor, out);
+    return work.run({height_m, variance_m2, ceiling_m}, law, executor, out);
+  out.mean_m.assign(window.rows, window.columns, kNaN);
+  for (Grid<float>& draw : out.draws_m) draw.assign(window.rows, window.columns, kNaN);
 }
 
 }  // namespace scree::fractal

@@ -27,7 +27,7 @@ Risk risk_of(const Draws& draws, RiskConfig config = {}) {
   SerialExecutor serial;
   FootprintRisk risk(config);
   Risk out;
-  risk.update(draws, Grid<float>(kSide, kSide, 0.0F), serial, out);
+  risk.update(draws, Grid<float>(kSide, kSide, 0.0F), Grid<std::uint8_t>(kSide, kSide, 1), serial, out);
   return out;
 }
 
@@ -102,7 +102,7 @@ TEST(FootprintRisk, EqualsThePlainEvaluationOnRandomGround) {
   SerialExecutor serial;
   FootprintRisk fast(config);
   Risk risk;
-  fast.update(draws, relief, serial, risk);
+  fast.update(draws, relief, Grid<std::uint8_t>(kSide, kSide, 1), serial, risk);
   const auto all = footprints(config.vehicle, kCell_m, config.headings);
   for (const CellIndex at : {CellIndex{20, 33}, CellIndex{5, 5}, CellIndex{41, 12}})
     for (std::size_t h = 0; h < all.size(); ++h) {
@@ -147,6 +147,24 @@ TEST(FootprintRisk, IsUnknownWithinAFootprintOfTheBorder) {
   EXPECT_TRUE(std::isfinite(risk.worst(5, 5)));
 }
 
+TEST(FootprintRisk, CellsThatAreAskedForAloneAreJudgedAlike) {
+  const Draws draws = draws_of([](double x, double y) { return 0.1 * std::sin(7.0 * x) * std::cos(5.0 * y); });
+  const Risk all = risk_of(draws);
+  Grid<std::uint8_t> asked(kSide, kSide, 0);
+  for (int r = 0; r < kSide; ++r)
+    for (int c = 0; c < kSide; ++c) asked(r, c) = to_uniform(random_words(1, 1, c, r)[0]) < 0.2 ? 1 : 0;
+  FootprintRisk some({});
+  Risk risk;
+  SerialExecutor serial;
+  some.update(draws, Grid<float>(kSide, kSide, 0.0F), asked, serial, risk);
+  for (int r = 5; r < kSide - 5; ++r)
+    for (int c = 5; c < kSide - 5; ++c)
+      if (asked(r, c) != 0) {
+        ASSERT_EQ(risk.worst(r, c), all.worst(r, c)) << r << ' ' << c;
+        ASSERT_EQ(risk.tail(r, c), all.tail(r, c));
+      }
+}
+
 TEST(FootprintRisk, DoesNotDependOnTheExecutor) {
   const Draws draws = draws_of([](double x, double y) { return 0.1 * std::sin(7.0 * x) * std::cos(5.0 * y); });
   FootprintRisk one({}), two({});
@@ -154,8 +172,9 @@ TEST(FootprintRisk, DoesNotDependOnTheExecutor) {
   SerialExecutor serial;
   test::ReversedRanges reversed(7);
   const Grid<float> relief(kSide, kSide, 0.0F);
-  one.update(draws, relief, serial, a);
-  two.update(draws, relief, reversed, b);
+  const Grid<std::uint8_t> asked(kSide, kSide, 1);
+  one.update(draws, relief, asked, serial, a);
+  two.update(draws, relief, asked, reversed, b);
   for (int r = 5; r < kSide - 5; ++r)
     for (int c = 5; c < kSide - 5; ++c) {
       ASSERT_EQ(a.worst(r, c), b.worst(r, c));
