@@ -1,0 +1,45 @@
+// The measured tables of the map, as Markdown on stdout. Arguments: --quick (a tenth of the scenes), --pictures FOLDER,
+// names of sections (default: all).
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "tests/bench/map/report.hpp"
+
+namespace {
+
+using namespace scree::bench;
+
+struct Section {
+  std::string_view name;
+  void (*print)();
+};
+constexpr std::array kSections = {
+    Section{"ground", ground_section},
+    Section{"separation", separation_section},
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string_view> wanted;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string_view(argv[i]) == "--quick")
+      quick = true;
+    else if (std::string_view(argv[i]) == "--pictures" && i + 1 < argc)
+      pictures = argv[++i];
+    else
+      wanted.emplace_back(argv[i]);
+  }
+  for (const auto name : wanted)
+    if (std::none_of(kSections.begin(), kSections.end(), [&](const Section& s) { return s.name == name; })) {
+      std::fprintf(stderr, "map_accuracy: unknown section %s\n", std::string(name).c_str());
+      return 64;
+    }
+  for (const Section& section : kSections) {
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), section.name) == wanted.end()) continue;
+    section.print();
+    std::fprintf(stderr, "map_accuracy: %s done\n", std::string(section.name).c_str());
+  }
+}
