@@ -91,4 +91,11 @@ const std::vector<SensorResults>& campaign() {
   return results;
 }
 
+Scenes scenes_of(const std::vector<Judgement>& all, double dimension) {
+  Scenes out;
+  for (const Judgement& j : all)
+    if (dimension == 0.0 || j.dimension == dimension) out.push_back(&j);
+  return out;
+}
+
 }  // namespace scree::bench

@@ -9,8 +9,17 @@ namespace scree::bench {
 
 /// Folder for the pictures; empty: none are written.
 inline std::string pictures;
+/// Ten thousand frames in the section on memory.
+inline bool soak = false;
 
 void ground_section();
+void heights_section();
+void roughness_section();
+void states_section();
 void separation_section();
+void drift_section();
+void speed_section();
+void memory_section();
+void pictures_section();
 
 }  // namespace scree::bench

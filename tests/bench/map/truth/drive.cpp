@@ -19,14 +19,18 @@ GroundFile::~GroundFile() {
   std::filesystem::remove(file_, ignored);
 }
 
-drivers::Simulator simulator_over(const GroundFile& ground, const std::string& sensor, std::uint64_t seed) {
+drivers::SimulatorConfig drive_config(const GroundFile& ground, const std::string& sensor, std::uint64_t seed) {
   drivers::SimulatorConfig config;
   config.terrain = ground.path();
   config.sensor = sensor;
   config.trajectory = kWay;
   config.seed = seed;
   config.frame_period = kFramePeriod;
-  return must(drivers::Simulator::make(config));
+  return config;
+}
+
+drivers::Simulator simulator_over(const GroundFile& ground, const std::string& sensor, std::uint64_t seed) {
+  return must(drivers::Simulator::make(drive_config(ground, sensor, seed)));
 }
 
 std::vector<std::shared_ptr<const RangeFrame>> render_all(const drivers::Simulator& simulator) {

@@ -30,7 +30,10 @@ class GroundFile {
   std::filesystem::path file_;
 };
 
-/// A simulator of `sensor` over the ground, nominal noise.
+/// The configuration of `sensor` over the ground, nominal noise, exact poses.
+drivers::SimulatorConfig drive_config(const GroundFile& ground, const std::string& sensor, std::uint64_t seed);
+
+/// A simulator of it.
 drivers::Simulator simulator_over(const GroundFile& ground, const std::string& sensor, std::uint64_t seed);
 
 /// All frames of a drive as the sources would deliver them.
