@@ -20,7 +20,7 @@ constexpr std::array kSections = {
     Section{"roughness", roughness_section},   Section{"states", states_section},
     Section{"separation", separation_section}, Section{"drift", drift_section},
     Section{"speed", speed_section},           Section{"memory", memory_section},
-    Section{"pictures", pictures_section},
+    Section{"pictures", pictures_section},     Section{"spread", spread_section},
 };
 
 }  // namespace

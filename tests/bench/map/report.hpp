@@ -21,5 +21,6 @@ void drift_section();
 void speed_section();
 void memory_section();
 void pictures_section();
+void spread_section();
 
 }  // namespace scree::bench

@@ -61,7 +61,8 @@ void judge_vehicle(const VehicleOnGround& vehicle, int row, int column, SceneTru
 
 }  // namespace
 
-SceneTruth scene_truth(const Ground& ground, const mapping::VehicleConfig& vehicle) {
+SceneTruth scene_truth(const Ground& ground, const mapping::VehicleConfig& vehicle,
+                       const std::optional<LatticeWindow>& judged) {
   const Grid<float>& nodes = ground.nodes.height_m;
   const int rows = (nodes.rows() - 1) / kNodesPerCell, columns = (nodes.columns() - 1) / kNodesPerCell;
   const auto lattice = [](double outer_m) {
@@ -70,7 +71,8 @@ SceneTruth scene_truth(const Ground& ground, const mapping::VehicleConfig& vehic
   SceneTruth truth;
   truth.cells = {{lattice(ground.nodes.x_min_m), lattice(ground.nodes.y_min_m)}, rows, columns};
   truth.height_m.assign(rows, columns, 0.0F);
-  truth.worst_share = truth.best_share = truth.height_m;
+  truth.worst_share.assign(rows, columns, std::numeric_limits<float>::quiet_NaN());
+  truth.best_share = truth.worst_share;
   truth.object_m.assign(rows, columns, kFar_m);
   truth.ditch.assign(rows, columns, 0);
   const VehicleOnGround on_ground(nodes, kNode_m, vehicle);
@@ -79,7 +81,8 @@ SceneTruth scene_truth(const Ground& ground, const mapping::VehicleConfig& vehic
       truth.height_m(row, column) = cell_mean(nodes, row, column);
       truth.ditch(row, column) = any_node(ground.ditch, row, column) ? 1 : 0;
       if (truth.ditch(row, column) != 0 || any_node(ground.rock, row, column)) truth.object_m(row, column) = 0.0F;
-      judge_vehicle(on_ground, row, column, truth);
+      const CellIndex cell{truth.cells.min.x + column, truth.cells.min.y + row};
+      if (!judged || judged->contains(cell)) judge_vehicle(on_ground, row, column, truth);
     }
   spread_distances(truth.object_m);
   return truth;

@@ -1,6 +1,8 @@
 #pragma once
 // What is true of every map cell of a ground.
 
+#include <optional>
+
 #include "core/grid.hpp"
 #include "mapping/vehicle.hpp"
 #include "tests/bench/map/truth/ground.hpp"
@@ -22,7 +24,8 @@ struct SceneTruth {
   bool impassable_everywhere(int row, int column) const { return best_share(row, column) > 1.0F; }
 };
 
-/// Cost: a second or so.
-SceneTruth scene_truth(const Ground& ground, const mapping::VehicleConfig& vehicle);
+/// Shares outside `judged` are NaN. Cost: 50 µs a judged cell.
+SceneTruth scene_truth(const Ground& ground, const mapping::VehicleConfig& vehicle,
+                       const std::optional<LatticeWindow>& judged = {});
 
 }  // namespace scree::bench

@@ -35,7 +35,7 @@ Grid<float> square_means(const Grid<float>& z, int reach) {
 /// Largest |difference| to a node within `radius` nodes; unknown ones do not count, an unknown centre is unknown.
 Grid<float> largest_changes(const Grid<float>& z, double radius) {
   Grid<float> high = z, low = z;
-  const int reach = static_cast<int>(radius);
+  const int reach = static_cast<int>(radius + 1e-9);
   for (int dr = -reach; dr <= reach; ++dr)
     for (int dc = -reach; dc <= reach; ++dc) {
       if (dr * dr + dc * dc > radius * radius + 1e-9) continue;
