@@ -10,12 +10,12 @@
 namespace scree::bench {
 namespace {
 
-std::vector<GroundSpec> grounds(std::uint64_t first_seed, int seeds) {
+std::vector<GroundSpec> grounds(std::uint64_t first_seed, int of_each) {
   std::vector<GroundSpec> out;
   std::uint64_t number = 0;
   for (std::size_t d = 0; d < kDimensions.size(); ++d)
     for (const double relief_m : kReliefs_m)
-      for (int seed = 0; seed < seeds; ++seed, ++number)
+      for (int seed = 0; seed < of_each; ++seed, ++number)
         if (!quick || (d % 3 == 1 && relief_m == kReliefs_m.back()))
           out.push_back({kDimensions[d], relief_m, first_seed + number});
   return out;
@@ -67,7 +67,7 @@ std::vector<SensorResults> run() {
   const auto maps = tuning_maps();
   for (std::size_t s = 0; s < kSensors.size(); ++s) results.push_back(prepared(kSensors[s], maps[s]));
   std::fprintf(stderr, "map_accuracy: baselines tuned\n");
-  const auto specs = grounds(kFirstSeed, quick ? 1 : kSeeds);
+  const auto specs = grounds(kFirstSeed, quick ? 1 : seeds);
   const auto by_ground = over_surfaces(static_cast<int>(specs.size()), [&](int i) {
     const Place place(specs[static_cast<std::size_t>(i)]);
     std::vector<Judgement> out;

@@ -13,7 +13,6 @@ inline constexpr std::array<const char*, 4> kSensors = {"perceptron-usf", "perce
 inline constexpr std::array kDimensions = {2.1, 2.2, 2.3, 2.4, 2.5, 2.6, 2.7, 2.8};
 /// rms height change over 0.3 m: ground whose own relief seldom stops the vehicle, and ground whose often does.
 inline constexpr std::array kReliefs_m = {0.05, 0.065};
-inline constexpr int kSeeds = 3;
 inline constexpr std::uint64_t kTuningSeed = 100, kFirstSeed = 200;
 
 struct SensorResults {
@@ -23,7 +22,7 @@ struct SensorResults {
   std::vector<Judgement> scenes;
 };
 
-/// A drive of each sensor over each ground of kDimensions × kReliefs_m × kSeeds (quick: every third D, the rougher
+/// A drive of each sensor over each ground of kDimensions × kReliefs_m × seeds (quick: every third D, the rougher
 /// ground, one seed). Some twelve minutes on two cores the first time it is asked for.
 const std::vector<SensorResults>& campaign();
 

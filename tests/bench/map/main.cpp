@@ -1,8 +1,9 @@
-// The measured tables of the map, as Markdown on stdout. Arguments: --quick (three dimensions, one seed), --soak
-// (10,000 frames in the section on memory), --pictures FOLDER, names of sections (default: all).
+// The measured tables of the map, as Markdown on stdout. Arguments: --quick (three dimensions, one seed), --seeds N
+// (3), --soak (10,000 frames in the section on memory), --pictures FOLDER, names of sections (default: all).
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <string_view>
 
 #include "tests/bench/map/report.hpp"
@@ -32,6 +33,8 @@ int main(int argc, char** argv) {
       quick = true;
     else if (std::string_view(argv[i]) == "--soak")
       soak = true;
+    else if (std::string_view(argv[i]) == "--seeds" && i + 1 < argc)
+      seeds = std::max(1, std::atoi(argv[++i]));
     else if (std::string_view(argv[i]) == "--pictures" && i + 1 < argc)
       pictures = argv[++i];
     else

@@ -39,7 +39,7 @@ held until the next.
     must(mapper.step(drive.next()));
     held = mapper.snapshot();
     if (i == 100) first_mb = resident_mb();
-    if (i == 100 || i % (frames / 5) == 0)
+    if (i == 100 || (i > 100 && i % (frames / 5) == 0))
       print_text(fmt::format("| {} | {:.1f} | {:+.1f} |", i, resident_mb(), resident_mb() - first_mb));
   }
   print_text("\nConstant to 1 MB: " + at_most(resident_mb() - first_mb, 1.0) + ".");

@@ -67,7 +67,7 @@ void map_pictures(const std::filesystem::path& folder, const Scene& scene) {
   Grid<float> shares = cut_truth(map, truth, truth.worst_share);
   const Grid<float> impassable = grid_of(
       map, [&](int r, int c) { return std::isnan(shares(r, c)) ? kUnknown : (shares(r, c) > 1.0F ? 1.0F : 0.0F); });
-  const std::string caption = fmt::format("{}, D {:.1f}, rms change over 0.3 m {:.2f} m, after 7 m of driving",
+  const std::string caption = fmt::format("{}, D {:.1f}, rms change over 0.3 m {:g} m, after 7 m of driving",
                                           scene.sensor, scene.spec.dimension, scene.spec.relief_m);
   std::vector<io::PicturePanel> top = {heights("true height (m)", true_height, limits),
                                        heights("elevation, one draw (m)", map.elevation_m, limits)};
@@ -98,11 +98,12 @@ struct Curve {
   io::Colour colour;
   bool dashed;
 };
-constexpr std::array kCurves = {
-    Curve{"cost", kCost, {31, 119, 180}, false}, Curve{"risk", kRisk, {44, 160, 44}, false},
-    Curve{"smooth fill, relief", kRelief, {214, 39, 40}, true},
-    Curve{"slope, step, roughness", kPlane, {255, 127, 14}, true},
-    Curve{"smooth fill, footprint (no baseline in use)", kFootprint, {150, 150, 150}, true}};
+constexpr std::array kCurves = {Curve{"cost", kCost, {31, 119, 180}, false},
+                                Curve{"risk", kRisk, {44, 160, 44}, false},
+                                Curve{"smooth fill, relief", kRelief, {214, 39, 40}, true},
+                                Curve{"slope, step, roughness", kPlane, {255, 127, 14}, true},
+                                Curve{"smooth fill, footprint (no baseline in use)", kFootprint, {150, 150, 150}, true},
+                                Curve{"true cells, footprint", kCeiling, {0, 0, 0}, true}};
 
 ScoreCounts pooled(const Scenes& scenes, CellClass kind, Method method) {
   ScoreCounts sum;

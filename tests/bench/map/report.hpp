@@ -9,6 +9,8 @@ namespace scree::bench {
 
 /// Folder for the pictures; empty: none are written.
 inline std::string pictures;
+/// Grounds of each dimension and amplitude.
+inline int seeds = 3;
 /// Ten thousand frames in the section on memory.
 inline bool soak = false;
 

@@ -36,7 +36,7 @@ void auc_row(const std::string& name, const Scenes& scenes, CellClass kind) {
   const ScoreCounts counts = pooled(scenes, kind, kCost);
   if (counts.cells() == 0.0) return;
   std::string line = fmt::format("| {} | {:.0f} | {:.0f} % |", name, counts.cells(), 100.0 * counts.share_impassable());
-  for (const Method m : {kCost, kRisk, kRelief, kPlane, kFootprint})
+  for (const Method m : {kCost, kRisk, kRelief, kPlane, kFootprint, kCeiling})
     line += fmt::format(" {} |", number(auc(scenes, kind, m)));
   for (const Method theirs : {kRelief, kPlane})
     line += fmt::format(" {} |", signed_interval_text(gain(scenes, kind, kCost, theirs)));
@@ -45,8 +45,9 @@ void auc_row(const std::string& name, const Scenes& scenes, CellClass kind) {
 
 void auc_table(const SensorResults& r, CellClass kind) {
   print_text(
-      "\n| D | cells | impassable | cost | risk | fill, relief | slope, step, roughness | fill, footprint | cost less "
-      "relief (95 %) | cost less slope, step, roughness (95 %) |\n|---|---|---|---|---|---|---|---|---|---|");
+      "\n| D | cells | impassable | cost | risk | fill, relief | slope, step, roughness | fill, footprint | true "
+      "cells, footprint | cost less "
+      "relief (95 %) | cost less slope, step, roughness (95 %) |\n|---|---|---|---|---|---|---|---|---|---|---|");
   for (const double d : kDimensions)
     if (const Scenes scenes = scenes_of(r.scenes, d); !scenes.empty()) auc_row(fixed(d, 1), scenes, kind);
   auc_row("all", scenes_of(r.scenes), kind);
@@ -62,7 +63,7 @@ void brier_row(const std::string& name, const Scenes& scenes, const SensorResult
   const Method best = ours(scenes, kAllCells);
   std::string line = fmt::format("| {} | {} | {} |", name, number(share * (1.0 - share), 4),
                                  number(brier_of(scenes, kRisk, as_it_is()), 4));
-  for (const Method m : {kRisk, kCost, kRelief, kPlane, kFootprint})
+  for (const Method m : {kRisk, kCost, kRelief, kPlane, kFootprint, kCeiling})
     line += fmt::format(" {} |", number(brier_of(scenes, m, r.calibration[m]), 4));
   for (const Method theirs : {kRelief, kPlane}) {
     const Interval less = bootstrap(scenes, [&](const Scenes& drawn) {
@@ -76,8 +77,9 @@ void brier_row(const std::string& name, const Scenes& scenes, const SensorResult
 void brier_table(const SensorResults& r) {
   print_text(
       "\n| D | the share alone | risk as it is | risk | cost | fill, relief | slope, step, roughness | fill, footprint "
+      "| true cells, footprint "
       "| ours less relief (95 %) | ours less slope, step, roughness (95 %) "
-      "|\n|---|---|---|---|---|---|---|---|---|---|");
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|");
   for (const double d : kDimensions)
     if (const Scenes scenes = scenes_of(r.scenes, d); !scenes.empty()) brier_row(fixed(d, 1), scenes, r);
   brier_row("all", scenes_of(r.scenes), r);
@@ -113,7 +115,8 @@ passable one; pooled over the scenes of a D, 95 % intervals by drawing scenes ag
 *fill, relief*: mean of the returns of a cell, gaps filled by a membrane, highest less lowest height around the cell. *slope,
 step, roughness*: the rules of traversability_estimation on the same filled ground. Windows, critical values and weights of
 both are the best of a search on grounds of their own, for each sensor. *fill, footprint*: the vehicle of the truth put onto the
-filled ground: no baseline that is in use, but what the footprint alone brings. Brier scores after isotonic calibration on
+filled ground: no baseline that is in use, but what the footprint alone brings. *true cells, footprint*: the same on the true
+mean heights of the cells: the most that a perfect map of 0.1 m cells could know, without the law of what is inside them. Brier scores after isotonic calibration on
 the tuning grounds, for each sensor and method; *the share alone* is who always says the share of impassable cells of that D.)");
   for (const SensorResults& r : campaign()) {
     print_text("\n### Impassable cells, " + r.sensor);

@@ -132,13 +132,18 @@ class Judge {
     const float share = in_.truth.worst_share(p.truth_row, p.truth_column);
     const float relief = relief_(p.row, p.column), footprint = footprint_(p.row, p.column);
     if (cost == mapping::kCostUnknown || std::isnan(share + relief + plane_(p.row, p.column) + footprint)) return;
+    const float ceiling = in_.truth.cell_share(p.truth_row, p.truth_column);
     const bool impassable = share > 1.0F;
     count_false_lethal(p, cost, share);
     out_.judged += 1.0;
     out_.impassable += impassable ? 1.0 : 0.0;
     out_.impassable_everywhere += in_.truth.impassable_everywhere(p.truth_row, p.truth_column) ? 1.0 : 0.0;
-    const std::array<float, kMethods> score = {static_cast<float>(cost) / mapping::kCostLethal, risk(p), relief,
-                                               plane_(p.row, p.column), footprint / (footprint + 1.0F)};
+    const std::array<float, kMethods> score = {static_cast<float>(cost) / mapping::kCostLethal,
+                                               risk(p),
+                                               relief,
+                                               plane_(p.row, p.column),
+                                               footprint / (footprint + 1.0F),
+                                               ceiling / (ceiling + 1.0F)};
     const CellState state = state_(p.row, p.column);
     const int kind = state == CellState::measured        ? kMeasuredCells
                      : state == CellState::reconstructed ? kReconstructedCells

@@ -17,9 +17,10 @@
 
 namespace scree::bench {
 
-/// What gives a cell a score. `footprint`: footprint_share() on the smooth fill.
-enum Method : std::uint8_t { kCost, kRisk, kRelief, kPlane, kFootprint };
-inline constexpr int kMethods = 5;
+/// What gives a cell a score. footprint: footprint_share() on the smooth fill; ceiling: on the true mean heights of the
+/// cells, the most that a map of such cells can know without the law of what is inside them.
+enum Method : std::uint8_t { kCost, kRisk, kRelief, kPlane, kFootprint, kCeiling };
+inline constexpr int kMethods = 6;
 /// Which cells are judged.
 enum CellClass : std::uint8_t { kAllCells, kMeasuredCells, kReconstructedCells, kDropCells };
 inline constexpr int kCellClasses = 4;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "tests/bench/map/truth/baselines.hpp"
 #include "tests/bench/map/truth/vehicle_truth.hpp"
 
 namespace scree::bench {
@@ -85,6 +86,7 @@ SceneTruth scene_truth(const Ground& ground, const mapping::VehicleConfig& vehic
       if (!judged || judged->contains(cell)) judge_vehicle(on_ground, row, column, truth);
     }
   spread_distances(truth.object_m);
+  truth.cell_share = footprint_share(truth.height_m, kMapCell_m, vehicle);
   return truth;
 }
 

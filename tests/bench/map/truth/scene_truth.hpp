@@ -17,7 +17,9 @@ struct SceneTruth {
   Grid<float> height_m;     ///< mean of the surface in the cell, exactly
   Grid<float> worst_share;  ///< of a limit of the vehicle centred on the cell, at its worst heading; NaN at the rim
   Grid<float> best_share;   ///< at its best heading
-  Grid<float> object_m;     ///< Chebyshev distance from the cell's centre to a node of a rock or the ditch, at most 2 m
+  /// worst_share of the vehicle on height_m instead of the nodes: all that a perfect map of cells would know.
+  Grid<float> cell_share;
+  Grid<float> object_m;  ///< Chebyshev distance from the cell's centre to a node of a rock or the ditch, at most 2 m
   Grid<std::uint8_t> ditch;  ///< a node of the ditch is in the cell
 
   bool impassable(int row, int column) const { return worst_share(row, column) > 1.0F; }
