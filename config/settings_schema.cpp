@@ -23,32 +23,58 @@ constexpr Bounds kMilliseconds{0, 3.6e6, false};
 
 Schema<MapConfig> map_schema() {
   Schema<MapConfig> schema;
-  schema.keys = {number<MapConfig>(
-                     "cell_m", [](MapConfig& m) -> double& { return m.cell_m; }, {0.005, 10, false}, "Side of a cell."),
-                 integer<MapConfig, int>(
-                     "size_cells", [](MapConfig& m) -> int& { return m.size_cells; }, {16, 2048, false},
-                     "Side of the square window that follows the robot."),
-                 integer<MapConfig, int>(
-                     "dimension_radius_cells", [](MapConfig& m) -> int& { return m.dimension_radius_cells; },
-                     {3, 64, false}, "D of a cell is that of the (2·radius + 1)² cells around it."),
-                 number<MapConfig>(
-                     "reconstruct_reach_m", [](MapConfig& m) -> double& { return m.reconstruct_reach_m; },
-                     {0, 100, false}, "Unmeasured cells farther than this from measured ones stay unknown."),
-                 number<MapConfig>(
-                     "drop_margin_m", [](MapConfig& m) -> double& { return m.drop_margin_m; }, {0, 100, false},
-                     "possible_drop: rays passed this much below the expected ground."),
-                 number<MapConfig>(
-                     "outlier_sigmas", [](MapConfig& m) -> double& { return m.outlier_sigmas; }, {1, 1000, false},
-                     "A return that contradicts its cell by more is counted, not fused."),
-                 integer<MapConfig, std::uint64_t>(
-                     "seed", [](MapConfig& m) -> std::uint64_t& { return m.seed; }, {0, 9.2e18, false},
-                     "Of the reconstructed ground; the same seed, the same map.")};
+  schema.keys = {
+      number<MapConfig>(
+          "cell_m", [](MapConfig& m) -> double& { return m.cell_m; }, {0.005, 10, false}, "Side of a cell."),
+      integer<MapConfig, int>(
+          "size_cells", [](MapConfig& m) -> int& { return m.size_cells; }, {16, 2048, false},
+          "Side of the square window that follows the robot."),
+      integer<MapConfig, int>(
+          "dimension_radius_cells", [](MapConfig& m) -> int& { return m.dimension_radius_cells; }, {3, 64, false},
+          "D of a cell is that of the (2·radius + 1)² cells around it …"),
+      integer<MapConfig, int>(
+          "dimension_small_radius_cells", [](MapConfig& m) -> int& { return m.dimension_small_radius_cells; },
+          {3, 64, false}, "… or of this many, where they are enough for the target."),
+      number<MapConfig>(
+          "dimension_sigma_target", [](MapConfig& m) -> double& { return m.dimension_sigma_target; }, {0, 1, false},
+          "The small window's D is reported where its standard deviation is at most this."),
+      number<MapConfig>(
+          "reconstruct_reach_m", [](MapConfig& m) -> double& { return m.reconstruct_reach_m; }, {0, 100, false},
+          "Unmeasured cells farther than this from measured ones stay unknown."),
+      number<MapConfig>(
+          "drop_margin_m", [](MapConfig& m) -> double& { return m.drop_margin_m; }, {0, 100, false},
+          "possible_drop: rays passed this much below the expected ground."),
+      number<MapConfig>(
+          "outlier_sigmas", [](MapConfig& m) -> double& { return m.outlier_sigmas; }, {1, 1000, false},
+          "A return that contradicts its cell by more is counted, not fused."),
+      integer<MapConfig, int>(
+          "draws", [](MapConfig& m) -> int& { return m.draws; }, {2, 64, false},
+          "Surfaces that the ground may be, behind standard deviation and risk."),
+      integer<MapConfig, int>(
+          "headings", [](MapConfig& m) -> int& { return m.headings; }, {1, 64, false},
+          "Sectors of half a turn that the risk is told for."),
+      integer<MapConfig, std::uint8_t>(
+          "unmeasured_cost_floor", [](MapConfig& m) -> std::uint8_t& { return m.cost.unmeasured_floor; },
+          {0, 252, false}, "Reconstructed ground is never cheaper."),
+      number<MapConfig>(
+          "lethal_risk", [](MapConfig& m) -> double& { return m.cost.lethal_risk; }, {0, 1, true},
+          "A cell is lethal from this probability of violating a limit."),
+      integer<MapConfig, std::uint64_t>(
+          "seed", [](MapConfig& m) -> std::uint64_t& { return m.seed; }, {0, 9.2e18, false},
+          "Of the reconstructed ground; the same seed, the same map.")};
   schema.rules.push_back(
       {{"dimension_radius_cells", "size_cells"}, [](const MapConfig& m) -> std::optional<Contradiction> {
          if (2 * m.dimension_radius_cells + 1 <= m.size_cells) return std::nullopt;
          return Contradiction{fmt::format("a window (2·radius + 1) within the map's {} cells", m.size_cells),
                               fmt::format("{} cells", 2 * m.dimension_radius_cells + 1)};
        }});
+  schema.rules.push_back({{"dimension_small_radius_cells", "dimension_radius_cells"},
+                          [](const MapConfig& m) -> std::optional<Contradiction> {
+                            if (m.dimension_small_radius_cells <= m.dimension_radius_cells) return std::nullopt;
+                            return Contradiction{
+                                fmt::format("at most dimension_radius_cells = {}", m.dimension_radius_cells),
+                                fmt::format("{}", m.dimension_small_radius_cells)};
+                          }});
   return schema;
 }
 

@@ -14,6 +14,12 @@ class Executor {
   virtual void for_ranges(int count, const std::function<void(int begin, int end)>& body) = 0;
 };
 
+/// `body(begin, end)` over [0, count) without the allocation that a large closure costs inside a std::function.
+template <class Body>
+void for_rows(Executor& executor, int count, Body&& body) {
+  executor.for_ranges(count, std::ref(body));
+}
+
 /// Everything on the caller's thread, in one range.
 class SerialExecutor final : public Executor {
  public:

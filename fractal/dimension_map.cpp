@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "fractal/dimension_fit.hpp"
@@ -77,6 +78,7 @@ void DimensionMapper::clear(int rows, int columns) {
   for (Grid<float>* grid : {&map_.dimension, &map_.dimension_sigma, &map_.amplitude_m})
     grid->assign(rows, columns, kNaN);
   map_.flags.assign(rows, columns, kTooLittleData);
+  stale_.assign(rows, columns, 1);
 }
 
 void DimensionMapper::scroll_to(const LatticeWindow& window) {
@@ -93,13 +95,18 @@ void DimensionMapper::scroll_to(const LatticeWindow& window) {
     scroll_plane([&](int r) { return grid->row(r).data(); }, window.rows, window.columns, rows, columns, kNaN);
   scroll_plane([&](int r) { return map_.flags.row(r).data(); }, window.rows, window.columns, rows, columns,
                std::uint8_t{kTooLittleData});
+  scroll_plane([&](int r) { return stale_.row(r).data(); }, window.rows, window.columns, rows, columns,
+               std::uint8_t{1});
 }
 
-void DimensionMapper::fit_row(const DimensionTables& tables, int row) {
+void DimensionMapper::fit_row(const DimensionTables& tables, const Grid<std::uint8_t>* wanted, int row) {
   const BitPlane::Span span = planes_.changed().span(row);
+  for (int column = span.begin; column < span.end; ++column)
+    if (planes_.changed().test(row, column)) stale_(row, column) = 1;
   Batch batch;
-  for (int column = span.begin; column < span.end; ++column) {
-    if (!planes_.changed().test(row, column)) continue;
+  for (int column = 0; column < planes_.columns(); ++column) {
+    if (stale_(row, column) == 0 || (wanted != nullptr && (*wanted)(row, column) == 0)) continue;
+    stale_(row, column) = 0;
     const std::size_t cell =
         static_cast<std::size_t>(row) * static_cast<std::size_t>(planes_.columns()) + static_cast<std::size_t>(column);
     switch (planes_.window(cell, config_.min_effective_cells, batch.windows[batch.size], batch.log_units[batch.size])) {
@@ -125,11 +132,26 @@ const DimensionMap& DimensionMapper::update(const LatticeWindow& window, const G
   assert(hits.rows() == window.rows && hits.columns() == window.columns);
   scroll_to(window);
   planes_.update({height_m, variance_m2, hits}, executor);
-  const DimensionTables& tables = dimension_tables(planes_.support());
-  executor.for_ranges(window.rows, [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) fit_row(tables, row);
-  });
+  fit(nullptr, executor);
   return map_;
+}
+
+const DimensionMap& DimensionMapper::update(const LatticeWindow& window, const Grid<float>& height_m,
+                                            const Grid<float>& variance_m2, const Grid<std::uint16_t>& hits,
+                                            const Grid<std::uint8_t>& wanted, Executor& executor) {
+  assert(wanted.rows() == window.rows && wanted.columns() == window.columns);
+  scroll_to(window);
+  planes_.update({height_m, variance_m2, hits}, executor);
+  fit(&wanted, executor);
+  return map_;
+}
+
+void DimensionMapper::fit(const Grid<std::uint8_t>* wanted, Executor& executor) {
+  const DimensionTables& tables = dimension_tables(planes_.support());
+  const auto rows = [&](int begin, int end) {
+    for (int row = begin; row < end; ++row) fit_row(tables, wanted, row);
+  };
+  for_rows(executor, planes_.rows(), rows);
 }
 
 void DimensionMapper::update(const Grid<float>& height_m, const Grid<float>& variance_m2,

@@ -66,17 +66,23 @@ class DimensionMapper {
   /// valid until the next call.
   const DimensionMap& update(const LatticeWindow& window, const Grid<float>& height_m, const Grid<float>& variance_m2,
                              const Grid<std::uint16_t>& hits, Executor& executor);
+  /// The same for the cells of `wanted` (1; the window's shape) alone: the others keep what they had, on the lattice,
+  /// and are made up to date by the first call that wants them.
+  const DimensionMap& update(const LatticeWindow& window, const Grid<float>& height_m, const Grid<float>& variance_m2,
+                             const Grid<std::uint16_t>& hits, const Grid<std::uint8_t>& wanted, Executor& executor);
 
  private:
   void clear(int rows, int columns);
   void scroll_to(const LatticeWindow& window);
-  void fit_row(const DimensionTables& tables, int row);
+  void fit_row(const DimensionTables& tables, const Grid<std::uint8_t>* wanted, int row);
+  void fit(const Grid<std::uint8_t>* wanted, Executor& executor);
 
   DimensionMapConfig config_;
   float log_cell_;
   EnergyPlanes planes_;
   LatticeWindow window_;  ///< of the last update; no rows: none
   DimensionMap map_;
+  Grid<std::uint8_t> stale_;  ///< 1 = the window has changed since the cell was fitted
 };
 
 }  // namespace scree::fractal

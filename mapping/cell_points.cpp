@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "mapping/parallel.hpp"
+#include "core/executor.hpp"
 
 namespace scree::mapping {
 

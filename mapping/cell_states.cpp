@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/parallel.hpp"
+#include "core/executor.hpp"
 
 namespace scree::mapping {
 
@@ -18,12 +18,16 @@ CellState cell_state(const CellEvidence& evidence, float drop_margin_m) {
   return crossed || evidence.shadowed ? CellState::occluded : CellState::never_seen;
 }
 
+const Grid<std::uint8_t>& CellStates::close(const GroundLayers& ground, Executor& executor) {
+  closing_.close(ground.measured, config_.reach_cells, executor, closed_);
+  return closed_;
+}
+
 void CellStates::classify(const GroundLayers& ground, const fractal::Reconstruction* filled, Executor& executor,
                           Grid<CellState>& state, Grid<float>& elevation_m) {
   constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
   const int rows = ground.measured.rows();
   const int columns = ground.measured.columns();
-  closing_.close(ground.measured, config_.reach_cells, executor, closed_);
   state.assign(rows, columns, CellState::never_seen);
   elevation_m.assign(rows, columns, kUnknown);
   for_rows(executor, rows, [&](int begin, int end) {
@@ -40,7 +44,7 @@ void CellStates::classify(const GroundLayers& ground, const fractal::Reconstruct
         state(row, column) = verdict;
         if (verdict == CellState::measured) elevation_m(row, column) = ground.height_m(row, column);
         if (verdict == CellState::reconstructed)
-          elevation_m(row, column) = std::min(filled->draw_m(row, column), evidence.ceiling_m);
+          elevation_m(row, column) = std::min(filled->draws_m.front()(row, column), evidence.ceiling_m);
       }
     }
   });

@@ -34,7 +34,10 @@ CellState cell_state(const CellEvidence& evidence, float drop_margin_m);
 class CellStates {
  public:
   explicit CellStates(const StateConfig& config) : config_(config) {}
-  /// `filled` may be null: then nothing is reconstructed. elevation_m: fused height, or the draw (never above the
+  /// Which cells lie between measured ones: 1 there and at measured cells. Before classify(). Valid until the next
+  /// call.
+  const Grid<std::uint8_t>& close(const GroundLayers& ground, Executor& executor);
+  /// `filled` may be null: then nothing is reconstructed. elevation_m: fused height, or the first draw (never above the
   /// ceiling) where reconstructed, else NaN.
   void classify(const GroundLayers& ground, const fractal::Reconstruction* filled, Executor& executor,
                 Grid<CellState>& state, Grid<float>& elevation_m);

@@ -1,42 +1,35 @@
 #pragma once
-// From the shape of the ground to a cost for one vehicle. docs/mapping.md tells planner authors what a cost means.
+// From what the vehicle risks on a cell to a cost. docs/cost.md tells planner authors what a cost means.
 
 #include <cstdint>
-#include <limits>
-#include <optional>
 
 #include "core/cell_state.hpp"
-#include "fractal/surface.hpp"
-#include "mapping/vehicle.hpp"
 
 namespace scree::mapping {
 
-/// Ground that was not measured is never cheaper than this.
-inline constexpr std::uint8_t kReconstructedFloor = 64;
+struct CostConfig {
+  std::uint8_t unmeasured_floor = 64;  ///< ground that was not measured is never cheaper
+  double lethal_risk = 0.5;            ///< a probability of violation from which a cell is lethal, (0, 1]
+};
+
 /// Measured ground whose roughness nobody could estimate is never cheaper than this.
 inline constexpr std::uint8_t kUnknownRoughnessFloor = 32;
 
-struct GroundShape {
+struct CellRisk {
   CellState state = CellState::never_seen;
-  float slope_rad = 0.0F;  ///< NaN = unknown
-  float step_m = 0.0F;
-  std::optional<fractal::FractalLaw> roughness;  ///< of a window that may hold other ground than this, too
-  /// rms deviation of the measured heights from the plane of the footprint; NaN = not measured well enough
-  float deviation_m = std::numeric_limits<float>::quiet_NaN();
+  float risk = 0.0F;  ///< probability of violating a limit at the worst heading; NaN = unknown
+  float tail = 0.0F;  ///< load of the worst draws, 1 = a limit
+  bool roughness_known = true;
 };
 
-/// Shares of what the vehicle can bear: 0 = nothing, 1 = its limit.
-struct Hazards {
-  double slope = 0.0;      ///< slope / min(max_pitch, max_roll): the heading is not known
-  double step = 0.0;       ///< step / max_step
-  double roughness = 0.0;  ///< twice the rms relief over a wheel radius / max_step
-  double roll = 0.0;       ///< rms relief over the track, as an angle / max_roll
-  double clearance = 0.0;  ///< twice the rms crown of the ground between the axles / clearance
-};
-Hazards hazards(const GroundShape& ground, const VehicleConfig& vehicle);
+/// 255 for never_seen, occluded and cells without a risk; 254 for possible_drop and where the risk reaches
+/// lethal_risk; else 252·(P + (1 − P)·min(tail, 1)²/2), rounded: grows with the risk P and with the tail, 0 on ideal
+/// ground, half of the scale for ground that takes all of a limit and is known to. Never below the floors above.
+std::uint8_t cell_cost(const CellRisk& cell, const CostConfig& config);
 
-/// 255 for never_seen, occluded and cells without a slope; 254 for possible_drop and where any hazard reaches 1; else
-/// 252 · (1 − Π(1 − h²)), rounded: 0 on ideal ground, growing with every hazard, never below the floors above.
-std::uint8_t cell_cost(const GroundShape& ground, const VehicleConfig& vehicle);
+/// The cost to publish for a cell whose verdict is `verdict`. `lethal` is the cell's memory: was it lethal when it was
+/// last measured? Such a cell that is no longer measured (what stood there has moved, or a lone return was taken back)
+/// is unknown until it is measured again: lethal never decays to ground that may be driven on.
+std::uint8_t guarded_cost(CellState state, std::uint8_t verdict, std::uint8_t& lethal);
 
 }  // namespace scree::mapping

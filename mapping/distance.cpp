@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/executor.hpp"
 #include "core/simd.hpp"
-#include "mapping/parallel.hpp"
 
 namespace scree::mapping {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/parallel.hpp"
+#include "core/executor.hpp"
 
 namespace scree::mapping {
 
@@ -12,19 +12,17 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-fractal::DimensionMapConfig dimension_config(const MapConfig& config) {
-  fractal::DimensionMapConfig out;
-  out.cell_m = config.cell_m;
-  out.radius_cells = config.dimension_radius_cells;
-  return out;
+RoughnessConfig roughness_config(const MapConfig& config) {
+  return {config.cell_m, config.dimension_small_radius_cells, config.dimension_radius_cells,
+          config.dimension_sigma_target};
 }
 
-fractal::ReconstructionConfig reconstruction_config(const MapConfig& config) {
-  fractal::ReconstructionConfig out;
-  out.cell_m = config.cell_m;
-  out.max_cells = config.size_cells;
-  out.seed = config.seed;
-  return out;
+LocalElevationConfig elevation_config(const MapConfig& config) {
+  return {config.cell_m, config.size_cells, config.draws, config.seed};
+}
+
+RiskConfig risk_config(const MapConfig& config) {
+  return {config.cell_m, config.headings, config.vehicle};
 }
 
 ShapeConfig shape_config(const MapConfig& config) {
@@ -40,14 +38,28 @@ StateConfig state_config(const MapConfig& config) {
   return {config.reconstruct_reach_m / config.cell_m, static_cast<float>(config.drop_margin_m)};
 }
 
+// Mean square of the largest step that a wheel meets inside a cell over the variance of heights in it: of an evenly
+// sampled face as in terrain_shape.cpp, and of a cell of fBm, whose variance is half the mean square change between two
+// places in it: 0.52 cells apart in the middle.
+constexpr float kFaceVariances = 12.0F;
+constexpr float kRoughVariances = 4.0F;
+constexpr float kInsideCell = 0.52F;
+
+float relief_by_law_m2(float dimension, float amplitude_m, float cell_m) {
+  const float change_m = amplitude_m * std::pow(kInsideCell * cell_m, 3.0F - dimension);
+  return kRoughVariances * 0.5F * change_m * change_m;
+}
+
 }  // namespace
 
 Layers::Layers(const MapConfig& config)
     : config_(config),
-      dimension_mapper_(dimension_config(config)),
-      reconstructor_(reconstruction_config(config)),
+      roughness_(roughness_config(config)),
       states_(state_config(config)),
-      shape_(shape_config(config)) {}
+      elevation_(elevation_config(config)),
+      shape_(shape_config(config)),
+      footprint_risk_(risk_config(config)),
+      lethal_(config.size_cells, config.size_cells, 0) {}
 
 // On a slope the places of a cell's few returns are noise of its height: slope² · cell² / 12 for one return.
 void Layers::estimate_roughness(const LatticeWindow& window, Executor& executor) {
@@ -64,62 +76,93 @@ void Layers::estimate_roughness(const LatticeWindow& window, Executor& executor)
                                           rise * rise * place_m2 / static_cast<float>(ground_.support(row, column));
       }
   });
-  roughness_ = &dimension_mapper_.update(window, ground_.height_m, place_variance_m2_, ground_.support, executor);
+  rough_ = &roughness_.update(window, ground_.height_m, place_variance_m2_, ground_.support, *closed_, executor);
 }
 
 const fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, Executor& executor) {
-  const auto seen = window_law_.estimate(*roughness_, ground_.measured);
+  const auto seen = window_law_.estimate(*rough_, ground_.measured);
   if (seen) law_ = law_ ? follow(*law_, *seen) : *seen;
-  const bool any = std::find(ground_.measured.begin(), ground_.measured.end(), 1) != ground_.measured.end();
-  if (!law_ || !any) return nullptr;
-  reconstructor_.reconstruct(ground_.height_m, ground_.variance_m2, window, *law_, executor, filled_);
-  return &filled_;
+  if (!law_) return nullptr;
+  return elevation_.update(ground_, window, *rough_, *law_, *closed_, executor);
+}
+
+void Layers::judge_risk(const fractal::Reconstruction* filled, Executor& executor, MapSnapshot& out) {
+  if (filled == nullptr) {
+    risk_ = {};
+    return;
+  }
+  const fractal::LawMap& law = elevation_.law();
+  const auto cell_m = static_cast<float>(config_.cell_m);
+  if (wheel_relief_m2_.rows() != out.window.rows || wheel_relief_m2_.columns() != out.window.columns)
+    wheel_relief_m2_.assign(out.window.rows, out.window.columns, 0.0F);
+  for_rows(executor, out.window.rows, [&](int begin, int end) {
+    for (int row = begin; row < end; ++row)
+      for (int column = 0; column < out.window.columns; ++column)
+        wheel_relief_m2_(row, column) =
+            std::max(kFaceVariances * ground_.relief_m2(row, column),
+                     relief_by_law_m2(law.dimension(row, column), law.amplitude_m(row, column), cell_m));
+  });
+  footprint_risk_.update(filled->draws_m, wheel_relief_m2_, executor, risk_);
+}
+
+void Layers::shape_outputs(MapSnapshot& out) const {
+  const int rows = out.window.rows, columns = out.window.columns;
+  for (Grid<float>* grid : {&out.elevation_mean_m, &out.elevation_sigma_m, &out.dimension, &out.dimension_sigma,
+                            &out.amplitude_m, &out.risk, &out.cell_age_s})
+    grid->assign(rows, columns, kUnknown);
+  out.heading_risk.resize(static_cast<std::size_t>(config_.headings));
+  for (Grid<float>& grid : out.heading_risk) grid.assign(rows, columns, kUnknown);
+  out.draws_m.resize(static_cast<std::size_t>(config_.draws));
+  for (Grid<float>& grid : out.draws_m) grid.assign(rows, columns, kUnknown);
+  out.cost.assign(rows, columns, kCostUnknown);
+  out.hits.assign(rows, columns, 0);
+  out.dimension_radius_cells.assign(rows, columns, 0);
+  out.dimension_flags.assign(rows, columns, fractal::kTooLittleData);
 }
 
 void Layers::compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out) {
   const LatticeWindow& window = map.window();
   ground_.unroll(map, config_.cell_m, executor);
+  lethal_.roll_to(window.min);
+  closed_ = &states_.close(ground_, executor);
   estimate_roughness(window, executor);
   const fractal::Reconstruction* filled = reconstruct(window, executor);
   states_.classify(ground_, filled, executor, out.state, out.elevation_m);
-  shape_.update(out.elevation_m, ground_.noise_variance_m2, ground_.relief_m2, executor, out.slope_rad, out.step_m,
-                deviation_m_);
-  for (Grid<float>* grid : {&out.elevation_sigma_m, &out.dimension, &out.dimension_sigma, &out.amplitude_m})
-    grid->assign(window.rows, window.columns, kUnknown);
-  out.cost.assign(window.rows, window.columns, kCostUnknown);
-  out.hits.assign(window.rows, window.columns, 0);
-  out.dimension_flags.assign(window.rows, window.columns, fractal::kTooLittleData);
+  shape_.update(out.elevation_m, ground_.noise_variance_m2, ground_.relief_m2, executor, out.slope_rad, out.step_m);
+  judge_risk(filled, executor, out);
+  shape_outputs(out);
   for_rows(executor, window.rows, [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) publish_row(row, out);
+    for (int row = begin; row < end; ++row) publish_row(row, filled, out);
   });
 }
 
-void Layers::publish_row(int row, MapSnapshot& out) const {
+void Layers::publish_row(int row, const fractal::Reconstruction* filled, MapSnapshot& out) {
   for (int column = 0; column < out.window.columns; ++column) {
-    GroundShape ground;
-    ground.state = out.state(row, column);
+    CellRisk cell;
+    cell.state = out.state(row, column);
+    cell.risk = cell.tail = kUnknown;
     out.hits(row, column) = ground_.hits(row, column);
-    if (ground.state == CellState::measured)
-      out.elevation_sigma_m(row, column) = std::sqrt(ground_.variance_m2(row, column));
-    if (ground.state == CellState::measured || ground.state == CellState::reconstructed) {
-      const float amplitude_m = roughness_->amplitude_m(row, column);
-      const float dimension = roughness_->dimension(row, column);
-      const bool estimated =
-          (roughness_->flags(row, column) & fractal::kTooLittleData) == 0 && std::isfinite(dimension + amplitude_m);
-      out.dimension_flags(row, column) = roughness_->flags(row, column);
-      if (estimated) {
-        out.dimension(row, column) = dimension;
-        out.dimension_sigma(row, column) = roughness_->dimension_sigma(row, column);
-        out.amplitude_m(row, column) = amplitude_m;
-        ground.roughness = fractal::FractalLaw{static_cast<double>(dimension), static_cast<double>(amplitude_m)};
-      } else {
-        ground.roughness = law_;
-      }
+    const bool measured = cell.state == CellState::measured;
+    if (measured || cell.state == CellState::reconstructed) {
+      out.elevation_mean_m(row, column) = measured ? ground_.height_m(row, column) : filled->mean_m(row, column);
+      out.elevation_sigma_m(row, column) =
+          measured ? std::sqrt(ground_.variance_m2(row, column)) : filled->sd_m(row, column);
+      out.dimension(row, column) = rough_->dimension(row, column);
+      out.dimension_sigma(row, column) = rough_->dimension_sigma(row, column);
+      out.amplitude_m(row, column) = rough_->amplitude_m(row, column);
+      out.dimension_flags(row, column) = rough_->flags(row, column);
+      out.dimension_radius_cells(row, column) = rough_->radius_cells(row, column);
+      cell.roughness_known = std::isfinite(rough_->dimension(row, column));
     }
-    ground.slope_rad = out.slope_rad(row, column);
-    if (ground.state == CellState::measured) ground.deviation_m = deviation_m_(row, column);
-    ground.step_m = out.step_m(row, column);
-    out.cost(row, column) = cell_cost(ground, config_.vehicle);
+    if (filled != nullptr && (measured || cell.state == CellState::reconstructed)) {
+      cell.risk = out.risk(row, column) = risk_.worst(row, column);
+      cell.tail = risk_.tail(row, column);
+      for (std::size_t h = 0; h < risk_.sector.size(); ++h)
+        out.heading_risk[h](row, column) = risk_.sector[h](row, column);
+      for (std::size_t k = 0; k < filled->draws_m.size(); ++k)
+        out.draws_m[k](row, column) = filled->draws_m[k](row, column);
+    }
+    out.cost(row, column) = guarded_cost(cell.state, cell_cost(cell, config_.cost), lethal_(row, column));
   }
 }
 

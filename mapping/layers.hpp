@@ -5,20 +5,20 @@
 
 #include "core/executor.hpp"
 #include "core/rolling_grid.hpp"
-#include "fractal/dimension_map.hpp"
-#include "fractal/reconstruction/conditional.hpp"
 #include "mapping/cell_states.hpp"
-#include "mapping/cost.hpp"
 #include "mapping/ground_layers.hpp"
+#include "mapping/local_elevation.hpp"
 #include "mapping/map_cell.hpp"
 #include "mapping/mapper.hpp"
+#include "mapping/risk.hpp"
+#include "mapping/roughness.hpp"
 #include "mapping/terrain_shape.hpp"
 #include "mapping/window_law.hpp"
 
 namespace scree::mapping {
 
-/// Roughness, reconstruction, states, shape and cost, in this order. Computed once per frame: the window's law and the
-/// reconstruction's warm start advance with frames, never with readers.
+/// Roughness, reconstruction, states, shape, risk and cost, in this order. Computed once per frame: the laws, the
+/// reconstruction's warm start and what is remembered of lethal cells advance with frames, never with readers.
 class Layers {
  public:
   explicit Layers(const MapConfig& config);
@@ -28,21 +28,26 @@ class Layers {
  private:
   void estimate_roughness(const LatticeWindow& window, Executor& executor);
   const fractal::Reconstruction* reconstruct(const LatticeWindow& window, Executor& executor);
-  void publish_row(int row, MapSnapshot& out) const;
+  void judge_risk(const fractal::Reconstruction* filled, Executor& executor, MapSnapshot& out);
+  void shape_outputs(MapSnapshot& out) const;
+  void publish_row(int row, const fractal::Reconstruction* filled, MapSnapshot& out);
 
   MapConfig config_;
   GroundLayers ground_;
   Grid<float> measured_slope_rad_;
-  Grid<float> deviation_m_;        ///< of the heights from the footprint's plane
   Grid<float> place_variance_m2_;  ///< noise of a height plus that of its returns' places on the slope
-  fractal::DimensionMapper dimension_mapper_;
-  const fractal::DimensionMap* roughness_ = nullptr;  ///< the mapper's, of the last update
+  Roughness roughness_;
+  const RoughnessMap* rough_ = nullptr;  ///< of the last update
   WindowLaw window_law_;
   std::optional<fractal::FractalLaw> law_;  ///< of the window, followed over frames
-  fractal::ConditionalReconstructor reconstructor_;
-  fractal::Reconstruction filled_;
   CellStates states_;
+  const Grid<std::uint8_t>* closed_ = nullptr;  ///< measured cells and those between them
+  LocalElevation elevation_;
   TerrainShape shape_;
+  Grid<float> wheel_relief_m2_;  ///< of the step that a wheel meets inside a cell
+  FootprintRisk footprint_risk_;
+  Risk risk_;
+  RollingGrid<std::uint8_t> lethal_;  ///< lethal when last measured
 };
 
 }  // namespace scree::mapping

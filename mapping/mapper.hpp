@@ -8,6 +8,7 @@
 #include "core/result.hpp"
 #include "drivers/frame/point_frame.hpp"
 #include "drivers/frame/range_frame.hpp"
+#include "mapping/cost.hpp"
 #include "mapping/snapshot.hpp"
 #include "mapping/vehicle.hpp"
 
@@ -15,12 +16,17 @@ namespace scree::mapping {
 
 struct MapConfig {
   double cell_m = 0.1;
-  int size_cells = 200;  ///< side of the square rolling window
-  int dimension_radius_cells = 10;
-  double reconstruct_reach_m = 0.6;  ///< unmeasured cells farther than this from measured ones stay unknown
-  double drop_margin_m = 0.2;        ///< possible_drop: rays passed this much below the expected ground
+  int size_cells = 200;                  ///< side of the square rolling window
+  int dimension_radius_cells = 10;       ///< of the large window of D
+  int dimension_small_radius_cells = 5;  ///< of the small one
+  double dimension_sigma_target = 0.1;   ///< the small window's D is reported where it is at least this certain
+  double reconstruct_reach_m = 0.6;      ///< unmeasured cells farther than this from measured ones stay unknown
+  double drop_margin_m = 0.2;            ///< possible_drop: rays passed this much below the expected ground
   double outlier_sigmas = 5.0;
+  int draws = 8;     ///< K ≥ 2 posterior draws behind standard deviation and risk
+  int headings = 8;  ///< sectors of half a turn that the risk is told for
   std::uint64_t seed = 1;
+  CostConfig cost;
   VehicleConfig vehicle;
 };
 
@@ -36,7 +42,7 @@ struct StepReport {
 class Mapper {
  public:
   /// `executor` must outlive the mapper. `config` must be valid (config/ checks it): cell_m, size_cells,
-  /// dimension_radius_cells > 0, the rest ≥ 0.
+  /// dimension radii, headings > 0, draws ≥ 2, the rest ≥ 0.
   Mapper(const MapConfig& config, Executor& executor);
   ~Mapper();
   Mapper(const Mapper&) = delete;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/executor.hpp"
 #include "core/simd.hpp"
-#include "mapping/parallel.hpp"
 
 namespace scree::mapping {
 
@@ -13,10 +13,8 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr float kCellsForPlane = 5.0F;
-constexpr float kPlaneParameters = 3.0F;
-constexpr float kFreedomForDeviation = 7.0F;  // fewer say too little of the rms deviation
-constexpr float kFaceVariances = 12.0F;       // height² of an evenly sampled face over its variance
-constexpr float kNoiseVariances = 4.0F;       // a difference within two of its standard deviations is no step
+constexpr float kFaceVariances = 12.0F;  // height² of an evenly sampled face over its variance
+constexpr float kNoiseVariances = 4.0F;  // a difference within two of its standard deviations is no step
 
 // best = max(best, (there − here)² − noise); comparisons with NaN keep what is there.
 SCREE_CLONES void raise_step(const float* here, const float* here_variance, const float* there,
@@ -49,33 +47,17 @@ struct Moments {
   float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, z = 0, zx = 0, zy = 0;
 };
 
-// Least-squares plane z = c + a·x + b·y about a cell, x and y in cells; all NaN when it is not determined.
-struct Plane {
-  float a = kUnknown, b = kUnknown, c = kUnknown;
-};
-
-Plane fit_plane(const Moments& m) {
-  if (m.n < kCellsForPlane) return {};
+// Rise over run of the least-squares plane about a cell, per cell; NaN when it is not determined.
+float gradient(const Moments& m) {
+  if (m.n < kCellsForPlane) return kUnknown;
   const float mean_x = m.x / m.n, mean_y = m.y / m.n;
   const float sxx = m.xx - m.x * mean_x, sxy = m.xy - m.x * mean_y, syy = m.yy - m.y * mean_y;
   const float szx = m.zx - m.z * mean_x, szy = m.zy - m.z * mean_y;
   const float determinant = sxx * syy - sxy * sxy;
-  if (determinant < 0.25F) return {};
+  if (determinant < 0.25F) return kUnknown;
   const float a = (szx * syy - szy * sxy) / determinant;
   const float b = (szy * sxx - szx * sxy) / determinant;
-  return {a, b, m.z / m.n - a * mean_x - b * mean_y};
-}
-
-// Sum of squared deviations of one row of a window, `dy` cells up, from the plane about each column.
-SCREE_CLONES void add_deviations(const float* known, const float* z, int radius, float dy, const float* a,
-                                 const float* b, const float* c, int n, float* sum) {
-  for (int offset = -radius; offset <= radius; ++offset) {
-    const auto dx = static_cast<float>(offset);
-    for (int x = 0; x < n; ++x) {
-      const float deviation = z[x + offset] - (c[x] + a[x] * dx + b[x] * dy);
-      sum[x] += known[x + offset] * deviation * deviation;
-    }
-  }
+  return std::sqrt(a * a + b * b);
 }
 
 }  // namespace
@@ -129,27 +111,7 @@ void TerrainShape::fit_row(const Grid<float>& elevation_m, int row, Grid<float>&
       m.xy += o * nx_(from, column);
       m.zy += o * z0_(from, column);
     }
-    const Plane plane = fit_plane(m);
-    a_(row, column) = plane.a;
-    b_(row, column) = plane.b;
-    c_(row, column) = plane.c;
-    known_in_window_(row, column) = m.n;
-    slope_rad(row, column) = std::atan(std::sqrt(plane.a * plane.a + plane.b * plane.b) / cell_m);
-  }
-}
-
-void TerrainShape::deviation_row(int row, std::span<float> deviation_m) const {
-  const int radius = config_.slope_radius_cells;
-  const auto columns = static_cast<int>(deviation_m.size());
-  std::fill(deviation_m.begin(), deviation_m.end(), 0.0F);
-  for (int dy = -radius; dy <= radius; ++dy)
-    add_deviations(known_.row(row + margin_ + dy).data() + margin_, z_.row(row + margin_ + dy).data() + margin_, radius,
-                   static_cast<float>(dy), a_.row(row).data(), b_.row(row).data(), c_.row(row).data(), columns,
-                   deviation_m.data());
-  for (int column = 0; column < columns; ++column) {
-    float& deviation = deviation_m[static_cast<std::size_t>(column)];
-    const float freedom = known_in_window_(row, column) - kPlaneParameters;
-    deviation = freedom >= kFreedomForDeviation ? std::sqrt(deviation / freedom) : kUnknown;
+    slope_rad(row, column) = std::atan(gradient(m) / cell_m);
   }
 }
 
@@ -159,8 +121,6 @@ void TerrainShape::slopes(const Grid<float>& elevation_m, Executor& executor, Gr
   slope_rad.assign(elevation_m.rows(), columns, kUnknown);
   for (Grid<float>* grid : {&n_, &nx_, &nxx_, &z0_, &zx_})
     if (grid->rows() != z_.rows() || grid->columns() != columns) grid->assign(z_.rows(), columns, 0.0F);
-  for (Grid<float>* grid : {&a_, &b_, &c_}) grid->assign(elevation_m.rows(), columns, kUnknown);
-  known_in_window_.assign(elevation_m.rows(), columns, 0.0F);
   for_rows(executor, z_.rows(), [&](int begin, int end) {
     for (int row = begin; row < end; ++row) sum_rows(row, columns);
   });
@@ -205,12 +165,8 @@ void TerrainShape::steps(const Grid<float>& elevation_m, const Grid<float>& vari
 }
 
 void TerrainShape::update(const Grid<float>& elevation_m, const Grid<float>& variance_m2, const Grid<float>& relief_m2,
-                          Executor& executor, Grid<float>& slope_rad, Grid<float>& step_m, Grid<float>& deviation_m) {
+                          Executor& executor, Grid<float>& slope_rad, Grid<float>& step_m) {
   slopes(elevation_m, executor, slope_rad);
-  deviation_m.assign(elevation_m.rows(), elevation_m.columns(), 0.0F);
-  for_rows(executor, elevation_m.rows(), [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) deviation_row(row, deviation_m.row(row));
-  });
   steps(elevation_m, variance_m2, relief_m2, executor, step_m);
 }
 

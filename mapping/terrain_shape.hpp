@@ -28,11 +28,10 @@ class TerrainShape {
   /// they lie on a line. Exact on planes.
   /// step_m: largest height difference between the cell and a known cell of the disc, d² less 4 times the noise
   /// variance of d, so that it is zero on noise and exact on edges far above it; or the relief inside the cell,
-  /// √(12 · relief) (the height of an evenly sampled face), if that is more.
-  /// deviation_m: rms deviation of the window's known heights from that plane (noise included), unbiased for
-  /// independent ones; NaN too where fewer than 10 are known. Cost: O(cells · (radius² + disc)), vectorised.
+  /// √(12 · relief) (the height of an evenly sampled face), if that is more. Cost: O(cells · (radius² + disc)),
+  /// vectorised.
   void update(const Grid<float>& elevation_m, const Grid<float>& variance_m2, const Grid<float>& relief_m2,
-              Executor& executor, Grid<float>& slope_rad, Grid<float>& step_m, Grid<float>& deviation_m);
+              Executor& executor, Grid<float>& slope_rad, Grid<float>& step_m);
 
  private:
   int step_reach_cells() const;
@@ -42,14 +41,11 @@ class TerrainShape {
   void step_row(const Grid<float>& relief_m2, int row, std::span<float> best) const;
   void sum_rows(int row, int columns);
   void fit_row(const Grid<float>& elevation_m, int row, Grid<float>& slope_rad);
-  void deviation_row(int row, std::span<float> deviation_m) const;
 
   ShapeConfig config_;
   int margin_ = 0;
   Grid<float> z_, variance_, known_;    ///< with a margin of unknown cells
   Grid<float> n_, nx_, nxx_, z0_, zx_;  ///< moments of a row of 2·radius+1 cells
-  Grid<float> a_, b_, c_;               ///< the plane about each cell
-  Grid<float> known_in_window_;
 };
 
 }  // namespace scree::mapping

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/parallel.hpp"
+#include "core/executor.hpp"
 
 namespace scree::mapping {
 

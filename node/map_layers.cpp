@@ -65,6 +65,12 @@ std::vector<MapLayer> map_layers(const mapping::MapSnapshot& map) {
   if (!map.dimension_flags.empty())
     layers.push_back(
         {"dimension_flags", "flags of D (bits)", known_flags(map), {ColourMap::viridis, 0.0, 31.0, false}});
+  // what is not on the wire a received map does not have
+  if (!map.elevation_mean_m.empty())
+    layers.push_back(
+        {"elevation_mean", "elevation, posterior mean / m", map.elevation_mean_m, {ColourMap::terrain, {}, {}, true}});
+  if (!map.risk.empty())
+    layers.push_back({"risk", "probability that a limit is violated", map.risk, {ColourMap::viridis, 0.0, 1.0, false}});
   return layers;
 }
 

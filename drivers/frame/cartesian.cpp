@@ -67,7 +67,7 @@ void write_points(const RayTables& tables, const RowPoses& poses, const Grid<Pix
   out.anchor_map_m = poses.anchor_map_m;
   out.sensor_m.resize(poses.rows.size());
   const Projection& projection = *tables.projection;
-  executor.for_ranges(state.rows(), [&](int begin, int end) {
+  for_rows(executor, state.rows(), [&](int begin, int end) {
     for (int r = begin; r < end; ++r) {
       const auto index = static_cast<std::size_t>(r);
       out.sensor_m[index] = poses.rows[index].origin_m;

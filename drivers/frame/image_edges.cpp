@@ -79,7 +79,7 @@ void ImageEdges::compute(const Grid<float>& range_m, const RayTables& tables, Ex
   }
   const EdgeRule rule = edge_rule(tables);
   const bool ambiguous = tables.projection->ambiguity_m > 0.0;
-  executor.for_ranges(rows, [&](int begin, int end) {
+  for_rows(executor, rows, [&](int begin, int end) {
     for (int r = begin; r < end; ++r) {
       const float* here = range_m.row(r).data();
       const float* level_ground = (ambiguous ? tables.level_ground_m : range_m).row(r).data();  // unused without wraps

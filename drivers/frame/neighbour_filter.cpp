@@ -63,7 +63,7 @@ void reject_by_neighbours(const Grid<float>& range_m, const ImageEdges& edges, c
   const NeighbourRule rule{filter.mixed_pixels, filter.speckle_min_pixels > 0 ? available : 0};
   if (!rule.mixed && rule.support == 0) return;
   const float ambiguity = static_cast<float>(tables.projection->ambiguity_m);
-  executor.for_ranges(rows, [&](int begin, int end) {
+  for_rows(executor, rows, [&](int begin, int end) {
     for (int r = begin; r < end; ++r) {
       const ImageLine row{range_m.row(r).data(), edges.right.row(r).data(), 1, columns, ambiguity};
       for (int c = 0; c < columns; ++c) {

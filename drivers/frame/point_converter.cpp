@@ -90,7 +90,7 @@ void PointConverter::Workspace::classify(const RangeFrame& frame, Executor& exec
   const bool ambiguous = projection.ambiguity_m > 0.0;
   range_m = frame.range_m;
   state.assign(projection.rows, projection.columns, PixelState::kept);
-  executor.for_ranges(projection.rows, [&](int begin, int end) {
+  for_rows(executor, projection.rows, [&](int begin, int end) {
     const auto columns = static_cast<std::size_t>(projection.columns);
     for (std::size_t i = static_cast<std::size_t>(begin) * columns; i < static_cast<std::size_t>(end) * columns; ++i) {
       const float range = range_m[i];
@@ -111,7 +111,7 @@ void PointConverter::Workspace::drop_small_surfaces(Executor& executor) {
   const int min_pixels = tables.sensor->filter.speckle_min_pixels;
   if (min_pixels <= 1) return;
   const auto columns = static_cast<std::size_t>(state.columns());
-  executor.for_ranges(state.rows(), [&](int begin, int end) {
+  for_rows(executor, state.rows(), [&](int begin, int end) {
     for (std::size_t i = static_cast<std::size_t>(begin) * columns; i < static_cast<std::size_t>(end) * columns; ++i)
       if (state[i] == PixelState::kept && surfaces.size(surfaces.root(i)) < min_pixels) state[i] = PixelState::speckle;
   });
@@ -121,7 +121,7 @@ bool PointConverter::Workspace::resolve_phase(const GroundLookup& ground, Execut
   const bool assumed = resolver.resolve({tables, poses, ground, edges}, surfaces, state, range_m, wraps);
   const Limits limits = limits_of(tables.sensor->filter);
   const auto columns = static_cast<std::size_t>(state.columns());
-  executor.for_ranges(state.rows(), [&](int begin, int end) {
+  for_rows(executor, state.rows(), [&](int begin, int end) {
     for (std::size_t i = static_cast<std::size_t>(begin) * columns; i < static_cast<std::size_t>(end) * columns; ++i)
       if (state[i] == PixelState::kept && !limits.hold(range_m[i])) state[i] = PixelState::out_of_limits;
   });

@@ -125,7 +125,7 @@ void RayTables::prepare(const std::shared_ptr<const Projection>& new_projection,
   if (image && projection->ambiguity_m > 0.0)
     for (auto* table : {&ground_near_m, &ground_far_m, &level_ground_m}) table->assign(rows, columns, 0.0F);
 
-  executor.for_ranges(rows, [&](int begin, int end) {
+  for_rows(executor, rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {
       if (image) fill_image_row(*this, row);
       if (mask)

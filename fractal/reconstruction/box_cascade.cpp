@@ -8,17 +8,18 @@ namespace {
 
 constexpr int kBoxes = 3;
 
-std::vector<float> smoothed_ones(int count, int radius) {
-  std::vector<float> now(static_cast<std::size_t>(count), 1.0F), next = now;
+/// `now` becomes what the boxes leave of `count` ones.
+void smooth_ones(int count, int radius, std::vector<float>& now, std::vector<float>& next) {
+  now.assign(static_cast<std::size_t>(count), 1.0F);
+  next.resize(now.size());
   for (int pass = 0; pass < kBoxes; ++pass) {
     for (int i = 0; i < count; ++i) {
       next[static_cast<std::size_t>(i)] = 0.0F;
       for (int j = std::max(i - radius, 0); j <= std::min(i + radius, count - 1); ++j)
         next[static_cast<std::size_t>(i)] += now[static_cast<std::size_t>(j)];
     }
-    now.swap(next);
+    std::copy(next.begin(), next.end(), now.begin());
   }
-  return now;
 }
 
 }  // namespace
@@ -34,8 +35,8 @@ void BoxCascade::resize(int rows, int columns, int radius) {
   columns_ = columns;
   radius_ = radius;
   box_.resize(rows, columns, radius);
-  row_weight_ = smoothed_ones(rows, radius);
-  column_weight_ = smoothed_ones(columns, radius);
+  smooth_ones(rows, radius, row_weight_, line_);
+  smooth_ones(columns, radius, column_weight_, line_);
 }
 
 void BoxCascade::smooth() {

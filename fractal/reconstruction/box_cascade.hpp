@@ -9,7 +9,8 @@ namespace scree::fractal {
 
 /// Three box sums in a row, within a few percent of a Gaussian. What lies outside the grid is 0, at every stage, and so
 /// is what it adds to `weight`: values over weights are means of what lies inside. Fill `row(r)`, then `smooth()`.
-/// Cost: about 6·log2(2·radius + 1) additions a cell. No allocation when shape and radius are unchanged.
+/// Cost: about 6·log2(2·radius + 1) additions a cell. No allocation when the shape is unchanged and the
+/// radius has been as large.
 class BoxCascade {
  public:
   /// The radius whose three boxes have the standard deviation nearest to `sigma_cells` (at least 1).
@@ -32,7 +33,7 @@ class BoxCascade {
   int rows_ = 0, columns_ = 0, radius_ = 0;
   BoxSum box_;
   BoxScratch scratch_;
-  std::vector<float> row_weight_, column_weight_;
+  std::vector<float> row_weight_, column_weight_, line_;
 };
 
 }  // namespace scree::fractal

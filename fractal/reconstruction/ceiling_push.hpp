@@ -31,6 +31,13 @@ class CeilingPush {
              const Grid<float>& ceiling, const Grid<float>& change, double tolerance, int max_iterations,
              PaddedField& sample);
 
+  /// One round for ground that is looked at frame after frame: `delta` holds the push of the last frame (0 = none) and
+  /// receives this one's. Cells above their ceiling with or without it get a datum. `sample` stays as it is. Returns
+  /// false when nothing was above; `delta` is then 0. No allocation when the shape stays.
+  bool follow(const MultigridShape& shape, const BlendField& prior, const PaddedField& precision,
+              const Grid<float>& ceiling, const Grid<float>& change, double tolerance, int max_iterations,
+              const PaddedField& sample, PaddedField& delta);
+
   /// What the last apply() added; zero where it returned false.
   const PaddedField& delta() const { return delta_; }
   int iterations() const { return iterations_; }  ///< of all solves
@@ -38,7 +45,7 @@ class CeilingPush {
 
  private:
   int activate(const PaddedField& precision, const Grid<float>& ceiling, const Grid<float>& change,
-               const PaddedField& sample);
+               const PaddedField& sample, const PaddedField& delta);
 
   CeilingOptions options_;
   BlendOperator matrix_;

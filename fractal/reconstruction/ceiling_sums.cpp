@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fractal/reconstruction/box_cascade.hpp"
-
 namespace scree::fractal {
 namespace {
 
@@ -25,28 +23,31 @@ void CeilingSums::add(int row, int column, float residual_m, float delta_m) {
   pushed2_(row, column) += pushed * pushed;
 }
 
-void CeilingSums::finish(int fields, const CellSamples& samples, Grid<float>& mean_m, Grid<float>& sd_m) const {
+void CeilingSums::move_mean(int fields, Grid<float>& mean_m) const {
+  for (std::size_t i = 0; i < mean_m.size(); ++i) mean_m[i] += delta_[i] / static_cast<float>(fields);
+}
+
+void CeilingSums::finish(int fields, const Grid<float>& height_m, Grid<float>& mean_m, Grid<float>& sd_m) {
   const int rows = delta_.rows(), columns = delta_.columns();
   const auto k = static_cast<float>(fields);
-  BoxCascade before, after;
-  for (BoxCascade* cascade : {&before, &after}) cascade->resize(rows, columns, kRadius);
+  for (BoxCascade* cascade : {&before_, &after_}) cascade->resize(rows, columns, kRadius);
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {
       const auto i = static_cast<std::size_t>(c);
       const float shift = delta_(r, c) / k, inverse = 1.0F / (sd_m(r, c) * sd_m(r, c));
       const float spread = pushed2_(r, c) / k - 2.0F * shift * pushed_(r, c) / k + shift * shift;
       const float of_mean = fields > 1 ? (delta2_(r, c) / k - shift * shift) / (k - 1.0F) : 0.0F;
-      before.row(r)[i] = inverse * square_(r, c) / k;
-      after.row(r)[i] = inverse * std::max(spread + of_mean, 0.0F);
-      mean_m(r, c) += shift;
+      before_.row(r)[i] = inverse * square_(r, c) / k;
+      after_.row(r)[i] = inverse * std::max(spread + of_mean, 0.0F);
     }
-  before.smooth();
-  after.smooth();
+  move_mean(fields, mean_m);
+  before_.smooth();
+  after_.smooth();
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {
       const auto i = static_cast<std::size_t>(c);
-      if (std::isfinite(samples.height_m(r, c)) || !(before.smoothed(r)[i] > 0.0F)) continue;
-      sd_m(r, c) *= std::sqrt(after.smoothed(r)[i] / before.smoothed(r)[i]);
+      if (std::isfinite(height_m(r, c)) || !(before_.smoothed(r)[i] > 0.0F)) continue;
+      sd_m(r, c) *= std::sqrt(after_.smoothed(r)[i] / before_.smoothed(r)[i]);
     }
 }
 

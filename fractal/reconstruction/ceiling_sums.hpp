@@ -2,7 +2,7 @@
 // What pushes below the rays do to mean and spread.
 
 #include "core/grid.hpp"
-#include "fractal/reconstruction/cell_samples.hpp"
+#include "fractal/reconstruction/box_cascade.hpp"
 
 namespace scree::fractal {
 
@@ -14,11 +14,16 @@ class CeilingSums {
  public:
   void resize(int rows, int columns);
   void add(int row, int column, float residual_m, float delta_m);
-  /// Measured cells of `samples` keep their sd. K ≥ 1 calls of add() for each cell before.
-  void finish(int fields, const CellSamples& samples, Grid<float>& mean_m, Grid<float>& sd_m) const;
+  /// Cells of finite height_m, the measured ones, keep their sd. K ≥ 1 calls of add() for each cell before. No
+  /// allocation when the shape stays.
+  void finish(int fields, const Grid<float>& height_m, Grid<float>& mean_m, Grid<float>& sd_m);
+
+  /// The mean alone.
+  void move_mean(int fields, Grid<float>& mean_m) const;
 
  private:
   Grid<float> delta_, delta2_, square_, pushed_, pushed2_;  ///< Σ δ, δ², r², r + δ, (r + δ)²
+  BoxCascade before_, after_;
 };
 
 }  // namespace scree::fractal

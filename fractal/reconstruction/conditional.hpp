@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "core/executor.hpp"
 #include "core/grid.hpp"
@@ -18,15 +19,18 @@ struct ReconstructionConfig {
   double tolerance =
       0.05;  ///< stop when r·z < tolerance² · cells (at most 0.02 below D = 2.3; cold fields: conditioning.hpp)
   int max_iterations = 60;
-  int residual_fields = 1;  ///< K ≥ 1, kept from frame to frame; the draw is made from the first
+  int residual_fields = 1;          ///< K ≥ 1, kept from frame to frame: one draw is made from each
+  bool standard_deviation = false;  ///< make Reconstruction::sd_m, too
 };
 
 struct Reconstruction {
   Grid<float> mean_m;  ///< posterior mean, every cell
-  Grid<float> draw_m;  ///< one posterior draw: as rough as the law says, equal to the data within their noise
+  std::vector<Grid<float>>
+      draws_m;  ///< K posterior draws: as rough as the law says, equal to the data within their noise
   /// Mean square of the K residual fields, K degrees of freedom: what SdMap makes a standard deviation from. Empty for
   /// K = 1.
   Grid<float> mean_square_m2;
+  Grid<float> sd_m;  ///< standard deviation of the mean's error (SdMap, ceilings allowed for); empty when not asked for
   int iterations = 0;  ///< multigrid cycles, mean and fields together
   bool converged = true;
 };
@@ -55,6 +59,11 @@ class ConditionalReconstructor {
                    const LawMap& law, Executor& executor, Reconstruction& out);
   void reconstruct(const Grid<float>& height_m, const Grid<float>& variance_m2, const LatticeWindow& window,
                    const FractalLaw& law, Executor& executor, Reconstruction& out);
+  /// The same below `ceiling_m`: the height of the lowest ray over each cell, NaN or +inf = none (at measured cells it
+  /// is not looked at). Every draw is pushed below (ceiling_push.hpp) in one round a frame that starts from the last
+  /// frame's push, so a new ceiling is fully heard after some three frames; the mean moves by the mean push.
+  void reconstruct(const Grid<float>& height_m, const Grid<float>& variance_m2, const Grid<float>& ceiling_m,
+                   const LatticeWindow& window, const LawMap& law, Executor& executor, Reconstruction& out);
 
  private:
   struct Solver;

@@ -44,7 +44,7 @@ SurfaceEstimate ConditionalRun::run(Executor& executor) {
   const Grid<float> plain_sd_m = keeps_draws() ? out_.sd_m : Grid<float>();
   if (options_.break_edges) inflate(sd, unit_m);
   give_draws(plain_sd_m);
-  if (pushes()) sums_.finish(fields_, samples_, out_.mean_m, out_.sd_m);
+  if (pushes()) sums_.finish(fields_, samples_.height_m, out_.mean_m, out_.sd_m);
   progress(fields_ + 2);
   return std::move(out_);
 }

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "core/simd.hpp"
 #include "fractal/lanes.hpp"
 #include "fractal/reconstruction/stencil_rows.hpp"
-#include "fractal/reconstruction/varying_prior.hpp"
 
 namespace scree::fractal {
 namespace {
@@ -63,8 +61,11 @@ std::pair<std::size_t, float> known_heights(const Grid<float>& height_m) {
 void Conditioning::set_precision(const Grid<float>& height_m, const Grid<float>& variance_m2, float base_m) {
   const int columns = height_m.columns();
   for (PaddedField* field : {&precision_, &root_}) field->resize(shape_.rows, shape_.columns);
-  std::vector<float> most(static_cast<std::size_t>(columns), kMaxPrecision), moment(most.size());
-  const std::vector<float> ones(most.size(), 1.0F);
+  const auto n = static_cast<std::size_t>(columns);
+  std::vector<float>&most = lines_[0], &moment = lines_[1], &ones = lines_[2];
+  most.assign(n, kMaxPrecision);
+  moment.assign(n, 0.0F);
+  ones.assign(n, 1.0F);
   double weight = 0.0, sum = 0.0;
   for (int r = 0; r < height_m.rows(); ++r) {
     if (prior_.varies())
@@ -88,8 +89,8 @@ bool Conditioning::load(const Grid<float>& height_m, const Grid<float>& variance
   spacing_ = std::sqrt(static_cast<double>(height_m.size()) / static_cast<double>(measured));
   prior_.right = prior_.down = PaddedField();
   if (law.varies()) {
-    smoothest_ =
-        varying_prior(law, {min, height_m.rows(), height_m.columns()}, {unit_m_, cell_m, spacing_}, shape_, prior_);
+    smoothest_ = varying_prior_.set(law, {min, height_m.rows(), height_m.columns()}, {unit_m_, cell_m, spacing_},
+                                    shape_, prior_);
   } else {
     prior_ = {};
     prior_.uniform = blend_weights(dimension_, blend_wavenumber(dimension_, spacing_));

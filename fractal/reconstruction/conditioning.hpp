@@ -2,9 +2,12 @@
 // Data and prior of one window as linear systems: one for the mean, one for each residual field.
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include "fractal/reconstruction/blend_solver.hpp"
 #include "fractal/reconstruction/surface_problem.hpp"
+#include "fractal/reconstruction/varying_prior.hpp"
 
 namespace scree::fractal {
 
@@ -50,8 +53,10 @@ class Conditioning {
   MultigridShape shape_{4, 4};
   BlendOperator matrix_;
   BlendField prior_;
-  PaddedField precision_, root_;  ///< c, √c
-  double weight_ = 1.0;           ///< sum of c
+  VaryingPrior varying_prior_;
+  PaddedField precision_, root_;             ///< c, √c
+  std::array<std::vector<float>, 3> lines_;  ///< work space of set_precision
+  double weight_ = 1.0;                      ///< sum of c
   double unit_m_ = 1.0, level_m_ = 0.0, dimension_ = 2.5, smoothest_ = 2.5, spacing_ = 1.0;
 };
 

@@ -94,8 +94,8 @@ void DistanceTransform::transform(const Grid<std::uint8_t>& set, Executor& execu
       for (int c = 0; c < columns; ++c) out[c] = std::min(out[c], kNone);
     }
   };
-  executor.for_ranges(columns, std::ref(columns_pass));
-  executor.for_ranges(rows, std::ref(rows_pass));
+  for_rows(executor, columns, columns_pass);
+  for_rows(executor, rows, rows_pass);
 }
 
 }  // namespace scree::fractal

@@ -109,8 +109,8 @@ OutlierReport find_outliers(const CellSamples& samples, double cell_m, const Law
   BlendFit fit(rows, columns);
   fit.prior().uniform = blend_weights(dimension, blend_wavenumber(dimension, spacing));
   if (law.varies())
-    varying_prior(law, {{0, 0}, rows, columns}, {law.law.rms_change_m(cell_m), cell_m, spacing}, fit.shape(),
-                  fit.prior());
+    VaryingPrior().set(law, {{0, 0}, rows, columns}, {law.law.rms_change_m(cell_m), cell_m, spacing}, fit.shape(),
+                       fit.prior());
   const auto solve = [&] {
     for (const Datum& d : data)
       fit.set_datum(d.row, d.column, static_cast<float>(d.height),

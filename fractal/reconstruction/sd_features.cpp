@@ -92,7 +92,7 @@ void SdFeatures::measure_density(Executor& executor) {
       log_distances(squared_.row(r).data(), rho, log_d_.row(r).data(), columns);
     }
   };
-  executor.for_ranges(rows, std::ref(logs));
+  for_rows(executor, rows, logs);
 }
 
 void SdFeatures::load(int row, int begin, const LawMap& law, double cell_m, Block& block) const {

@@ -38,7 +38,7 @@ void SdMap::fit(const Grid<float>& mean_square_m2, const LawMap& law, double cel
         regression_.add_row(r, x, y.data(), weight.data(), block.n);
       }
   };
-  executor.for_ranges(rows, std::ref(sums));
+  for_rows(executor, rows, sums);
   // Alone under an open sky the variance grows with distance as the variogram does.
   LogRegression::Coefficients expected = {};
   if (law.varies())
@@ -98,7 +98,7 @@ void SdMap::predict(const Grid<float>& mean_square_m2, const LawMap& law, double
       row_ratio_[static_cast<std::size_t>(r)] = sum;
     }
   };
-  executor.for_ranges(rows, std::ref(pass));
+  for_rows(executor, rows, pass);
 }
 
 void SdMap::smooth_ratio(bool level_known) {
@@ -124,7 +124,7 @@ void SdMap::correct(int fields, Executor& executor) {
                            share, model_m2_.row(r).data(), columns);
     }
   };
-  executor.for_ranges(model_m2_.rows(), std::ref(pass));
+  for_rows(executor, model_m2_.rows(), pass);
 }
 
 void SdMap::inflate(const Grid<float>& factor, const Grid<float>& variance_m2, Grid<float>& sd_m) const {
@@ -160,7 +160,7 @@ void SdMap::estimate(const Grid<float>& mean_square_m2, int fields, const Grid<f
     for (int r = first; r < last; ++r)
       sd_rows::write_row(variance_m2.row(r).data(), model_m2_.row(r).data(), sd_m.row(r).data(), columns);
   };
-  executor.for_ranges(rows, std::ref(write));
+  for_rows(executor, rows, write);
 }
 
 }  // namespace scree::fractal

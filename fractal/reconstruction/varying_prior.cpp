@@ -38,16 +38,8 @@ class WeightTable {
   std::array<float, kNodes> log_w1_, log_w2_;
 };
 
-/// Weights at the middles of blocks, spread over the cells.
-struct Blocks {
-  Grid<float> w1, w2;
-};
+using Place = VaryingPrior::Place;
 
-/// Where a cell lies between the middles of blocks.
-struct Place {
-  int below;
-  float share;
-};
 Place place_of(int cell, int blocks) {
   const float position = (static_cast<float>(cell) + 0.5F) / kBlock - 0.5F;
   const int below = std::clamp(static_cast<int>(std::floor(position)), 0, std::max(blocks - 2, 0));
@@ -66,44 +58,43 @@ SCREE_CLONES void gather(const float* __restrict line, const Place* __restrict p
   }
 }
 
-void spread(const Grid<float>& blocks, CellIndex offset, PaddedField& out) {
-  std::vector<float> line(static_cast<std::size_t>(blocks.columns()) + 1);
-  std::vector<Place> places(static_cast<std::size_t>(out.columns()));
+}  // namespace
+
+void VaryingPrior::spread(const Grid<float>& blocks, CellIndex offset, PaddedField& out) {
+  line_.resize(static_cast<std::size_t>(blocks.columns()) + 1);
+  places_.resize(static_cast<std::size_t>(out.columns()));
   for (int c = 0; c < out.columns(); ++c)
-    places[static_cast<std::size_t>(c)] = place_of(c + offset.x, blocks.columns());
+    places_[static_cast<std::size_t>(c)] = place_of(c + offset.x, blocks.columns());
   for (int r = 0; r < out.rows(); ++r) {
     const auto [j, share] = place_of(r + offset.y, blocks.rows());
-    blend(share, blocks.row(j).data(), blocks.row(std::min(j + 1, blocks.rows() - 1)).data(), line.data(),
+    blend(share, blocks.row(j).data(), blocks.row(std::min(j + 1, blocks.rows() - 1)).data(), line_.data(),
           blocks.columns());
-    line.back() = line[line.size() - 2];
-    gather(line.data(), places.data(), out.row(r), out.columns());
+    line_.back() = line_[line_.size() - 2];
+    gather(line_.data(), places_.data(), out.row(r), out.columns());
   }
 }
 
-}  // namespace
-
-double varying_prior(const LawMap& law, const LatticeWindow& window, const PriorScale& scale,
-                     const MultigridShape& shape, BlendField& prior) {
-  LawPyramid pyramid;
-  pyramid.build(law, window, scale.unit_m, scale.cell_m, kBlockLevels);
-  Grid<float> log_sigma = pyramid.level(kBlockLevels - 1).log_sigma, hurst = pyramid.level(kBlockLevels - 1).hurst;
-  Grid<float> scratch;
-  for (Grid<float>* grid : {&log_sigma, &hurst})
-    for (int pass = 0; pass < 2; ++pass) smooth_two(*grid, scratch);
+double VaryingPrior::set(const LawMap& law, const LatticeWindow& window, const PriorScale& scale,
+                         const MultigridShape& shape, BlendField& prior) {
+  pyramid_.build(law, window, scale.unit_m, scale.cell_m, kBlockLevels);
+  log_sigma_ = pyramid_.level(kBlockLevels - 1).log_sigma;
+  hurst_ = pyramid_.level(kBlockLevels - 1).hurst;
+  for (Grid<float>* grid : {&log_sigma_, &hurst_})
+    for (int pass = 0; pass < 2; ++pass) smooth_two(*grid, scratch_);
   const WeightTable table(scale.spacing_cells);
-  Blocks blocks{log_sigma, log_sigma};
+  for (Grid<float>* weights : {&w1_, &w2_}) weights->assign(hurst_.rows(), hurst_.columns(), 0.0F);
   float smoothest = 3.0F;
-  for (std::size_t i = 0; i < hurst.size(); ++i) {
-    const BlendWeights w = table.at(3.0F - hurst[i], log_sigma[i]);
-    blocks.w1[i] = w.w1;
-    blocks.w2[i] = w.w2;
-    smoothest = std::min(smoothest, 3.0F - hurst[i]);
+  for (std::size_t i = 0; i < hurst_.size(); ++i) {
+    const BlendWeights w = table.at(3.0F - hurst_[i], log_sigma_[i]);
+    w1_[i] = w.w1;
+    w2_[i] = w.w2;
+    smoothest = std::min(smoothest, 3.0F - hurst_[i]);
   }
   prior.w1.reshape(shape.rows, shape.columns);
   prior.w2.reshape(shape.rows, shape.columns);
-  const CellIndex offset{window.min.x - pyramid.start().x, window.min.y - pyramid.start().y};
-  spread(blocks.w1, offset, prior.w1);
-  spread(blocks.w2, offset, prior.w2);
+  const CellIndex offset{window.min.x - pyramid_.start().x, window.min.y - pyramid_.start().y};
+  spread(w1_, offset, prior.w1);
+  spread(w2_, offset, prior.w2);
   return static_cast<double>(smoothest);
 }
 

@@ -8,6 +8,7 @@
 
 #include "fractal/reconstruction/band_amplitudes.hpp"
 #include "fractal/reconstruction/blend_solver.hpp"
+#include "fractal/reconstruction/ceiling_push.hpp"
 
 namespace scree::fractal {
 
@@ -16,6 +17,7 @@ struct Workspace {
   PaddedField u, x, b;
   BandAmplitudes::Scratch bands;
   BlendSolver solver;
+  CeilingPush push;
 };
 
 /// As many workspaces as solves run at once: a lone thread does all of them in one, which stays in its cache.

@@ -192,5 +192,33 @@ TEST(AnisotropicFlag, MarksAStretchByTwo) {
   EXPECT_GE(flagged, 57);
 }
 
+// Cells that are wanted in turns (here by the parity of their place on the lattice) are what a full update makes of
+// them.
+TEST(DimensionUpdate, CellsThatAreWantedAreUpToDateAndTheOthersWait) {
+  World world;
+  SerialExecutor serial;
+  DimensionMapper some({.radius_cells = 5}), all({.radius_cells = 5});
+  Grid<std::uint8_t> wanted(World::kWindow, World::kWindow, 0);
+  for (int step = 0; step < 40; ++step) {
+    change(world, step);
+    world.look();
+    for (int r = 0; r < World::kWindow; ++r)
+      for (int c = 0; c < World::kWindow; ++c)
+        wanted(r, c) = static_cast<std::uint8_t>((world.window.min.x + c + world.window.min.y + r + step) % 2);
+    const DimensionMap& part =
+        some.update(world.window, world.seen_height, world.seen_variance, world.seen_hits, wanted, serial);
+    const DimensionMap& full =
+        all.update(world.window, world.seen_height, world.seen_variance, world.seen_hits, serial);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      if (wanted[i] == 0) continue;
+      ASSERT_EQ(std::isnan(part.dimension[i]), std::isnan(full.dimension[i])) << step;
+      if (!std::isnan(full.dimension[i])) {
+        ASSERT_EQ(part.dimension[i], full.dimension[i]) << step;
+      }
+      ASSERT_EQ(part.flags[i], full.flags[i]) << step;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace scree::fractal

@@ -13,7 +13,7 @@ namespace {
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 struct Shape {
-  Grid<float> slope_rad, step_m, deviation_m;
+  Grid<float> slope_rad, step_m;
 };
 
 Shape shape_of(const Grid<float>& elevation_m, float noise_variance_m2 = 0.0F, float relief_m2 = 0.0F) {
@@ -22,7 +22,7 @@ Shape shape_of(const Grid<float>& elevation_m, float noise_variance_m2 = 0.0F, f
   const Grid<float> variance(elevation_m.rows(), elevation_m.columns(), noise_variance_m2);
   const Grid<float> relief(elevation_m.rows(), elevation_m.columns(), relief_m2);
   Shape out;
-  shape.update(elevation_m, variance, relief, serial, out.slope_rad, out.step_m, out.deviation_m);
+  shape.update(elevation_m, variance, relief, serial, out.slope_rad, out.step_m);
   return out;
 }
 
@@ -58,30 +58,6 @@ TEST(TerrainShape, TiltedPlaneHasItsExactSlopeEverywhereAndWithGaps) {
 
 // White heights, σ = 1 cm, on a slope: 400 separate full windows of 49 − 3 degrees of freedom; their mean variance has
 // relative standard error √(2 / (400 · 46)) = 1.04 %. Bound 4 s.e., false-alarm rate 6e-5.
-TEST(TerrainShape, DeviationIsTheRmsAboutThePlane) {
-  constexpr double kSigma = 0.01;
-  Grid<float> white = heights(141, [](double x, double y) { return 0.3 * x - 0.2 * y; });
-  for (int row = 0; row < 141; ++row)
-    for (int column = 0; column < 141; ++column)
-      white(row, column) += static_cast<float>(kSigma * random_normals(5, 1, column, row)[0]);
-  const Shape shape = shape_of(white);
-  double sum = 0.0;
-  for (int row = 3; row < 140; row += 7)
-    for (int column = 3; column < 140; column += 7) sum += std::pow(shape.deviation_m(row, column) / kSigma, 2);
-  EXPECT_NEAR(sum / 400.0, 1.0, 4.0 * std::sqrt(2.0 / (400.0 * 46.0)));
-}
-
-TEST(TerrainShape, DeviationNeedsTenKnownHeightsAndIgnoresTheUnknown) {
-  Grid<float> plane = heights(9, [](double x, double y) { return 0.3 * x - 0.2 * y; });
-  for (int row = 0; row < 9; ++row)
-    for (int column = 0; column < 9; ++column)
-      if (row > 4 || column > 4) plane(row, column) = kUnknown;
-  const Shape shape = shape_of(plane);
-  EXPECT_NEAR(shape.deviation_m(3, 3), 0.0F, 1e-5F);
-  EXPECT_TRUE(std::isnan(shape.deviation_m(8, 8)));
-}
-
-// The disc of a 0.15 m wheel holds the diagonal neighbours: the step along the gradient (1, 1) is 2 · 0.1 · slope.
 TEST(TerrainShape, StepOfATiltedPlaneIsItsRiseOverAWheelRadius) {
   const Shape shape = shape_of(heights(20, [](double x, double y) { return 0.2 * x + 0.2 * y; }));
   EXPECT_NEAR(shape.step_m(10, 10), 0.04F, 1e-5F);

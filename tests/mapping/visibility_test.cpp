@@ -41,10 +41,12 @@ class Scene {
     layers.unroll(map_, kCell_m, serial);
     fractal::Reconstruction filled;
     filled.mean_m = Grid<float>(layers.height_m.rows(), layers.height_m.columns(), filled_m);
-    filled.draw_m = filled.mean_m;
+    filled.draws_m = {filled.mean_m};
     Grid<CellState> state;
     Grid<float> elevation_m;
-    CellStates(StateConfig{}).classify(layers, std::isfinite(filled_m) ? &filled : nullptr, serial, state, elevation_m);
+    CellStates states{StateConfig{}};
+    states.close(layers, serial);
+    states.classify(layers, std::isfinite(filled_m) ? &filled : nullptr, serial, state, elevation_m);
     return state;
   }
   CellState at(const Grid<CellState>& state, double x_m, double y_m) const {

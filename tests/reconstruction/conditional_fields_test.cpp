@@ -75,7 +75,7 @@ TEST(ConditionalFields, TheDrawIsThatOfTheFirstFieldWithAnyThreads) {
     one.reconstruct(scene.height, scene.variance, scene.window(), law, serial, a);
     eight.reconstruct(scene.height, scene.variance, scene.window(), law, backwards, b);
     EXPECT_EQ(a.mean_m, b.mean_m);
-    EXPECT_EQ(a.draw_m, b.draw_m);
+    EXPECT_EQ(a.draws_m[0], b.draws_m[0]);
     EXPECT_TRUE(a.mean_square_m2.empty());
     EXPECT_EQ(b.mean_square_m2.rows(), 90);
   }
@@ -99,7 +99,7 @@ TEST(ConditionalFields, ANewLawCostsACycleAndMovesTheDrawALittle) {
   step(0.01, 1.02, little);
   EXPECT_GE(first.iterations, 9 * 4);
   EXPECT_LE(little.iterations, 9 * 2);
-  EXPECT_LT(difference(first.draw_m, little.draw_m, first), 0.1);
+  EXPECT_LT(difference(first.draws_m[0], little.draws_m[0], first), 0.1);
   step(0.04, 1.06, more);
   EXPECT_LE(more.iterations, 9 * 2);
 }
@@ -128,11 +128,11 @@ TEST(ConditionalFields, AMovedWindowKeepsTheDrawOfAVaryingLaw) {
   double square = 0.0, n = 0.0;
   for (int r = 24; r < 104; ++r)
     for (int c = 24; c < 104; ++c) {
-      square += std::pow(static_cast<double>(here.draw_m(r + 5, c + 7) - there.draw_m(r, c)), 2);
+      square += std::pow(static_cast<double>(here.draws_m[0](r + 5, c + 7) - there.draws_m[0](r, c)), 2);
       n += 1.0;
     }
   EXPECT_LT(std::sqrt(square / n) / world.law.rms_change_m(kSceneCellM), 0.05);
-  EXPECT_LT(difference(there.draw_m, warm.draw_m, there), 0.05);
+  EXPECT_LT(difference(there.draws_m[0], warm.draws_m[0], there), 0.05);
   EXPECT_LT(warm.iterations, there.iterations);
 }
 

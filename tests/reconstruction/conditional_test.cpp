@@ -30,7 +30,7 @@ TEST(Reconstruction, PassesThroughTheDataWithinTheirNoise) {
   for (std::size_t i = 0; i < scene.height.size(); ++i) {
     if (std::isnan(scene.height[i])) continue;
     mean2 += std::pow((out.mean_m[i] - scene.height[i]) / scene.sigma, 2);
-    draw2 += std::pow((out.draw_m[i] - scene.height[i]) / scene.sigma, 2);
+    draw2 += std::pow((out.draws_m[0][i] - scene.height[i]) / scene.sigma, 2);
     ++n;
   }
   EXPECT_LT(std::sqrt(mean2 / n), 0.2);
@@ -49,7 +49,7 @@ TEST(Reconstruction, DrawsAreAsRoughAsTheGround) {
       for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         const Reconstruction out = reconstruct(scene, seed);
         ASSERT_TRUE(out.converged);
-        differences.push_back(axis_dimension(out.draw_m) - target);
+        differences.push_back(axis_dimension(out.draws_m[0]) - target);
         smooth += (axis_dimension(out.mean_m) - target) / 8.0;
       }
     }
@@ -74,14 +74,14 @@ TEST(Reconstruction, NinetyPercentIntervalsCoverNinetyPercent) {
       for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         out = reconstruct(scene, seed);
         for (std::size_t i = 0; i < sum2.size(); ++i)
-          sum2[i] += std::pow(static_cast<double>(out.draw_m[i] - out.mean_m[i]), 2);
+          sum2[i] += std::pow(static_cast<double>(out.draws_m[0][i] - out.mean_m[i]), 2);
       }
       for (std::size_t i = 0; i < sum2.size(); ++i) {
         if (!std::isnan(scene.height[i])) continue;
         const double error = static_cast<double>(out.mean_m[i] - scene.truth[i]);
         covered += std::abs(error) < 1.8595 * std::sqrt(sum2[i] / 8.0) ? 1.0 : 0.0;
         mean2 += error * error;
-        draw2 += std::pow(static_cast<double>(out.draw_m[i] - scene.truth[i]), 2);
+        draw2 += std::pow(static_cast<double>(out.draws_m[0][i] - scene.truth[i]), 2);
         cells += 1.0;
       }
     }
@@ -95,11 +95,12 @@ TEST(Reconstruction, NinetyPercentIntervalsCoverNinetyPercent) {
 double difference(const Reconstruction& a, const Reconstruction& b, CellIndex shift, int margin, double unit) {
   double sum = 0.0;
   int n = 0;
-  for (int r = margin; r < a.draw_m.rows() - margin; ++r)
-    for (int c = margin; c < a.draw_m.columns() - margin; ++c) {
+  for (int r = margin; r < a.draws_m[0].rows() - margin; ++r)
+    for (int c = margin; c < a.draws_m[0].columns() - margin; ++c) {
       const int rb = r - shift.y, cb = c - shift.x;
-      if (rb < margin || cb < margin || rb >= b.draw_m.rows() - margin || cb >= b.draw_m.columns() - margin) continue;
-      sum += std::pow(static_cast<double>(a.draw_m(r, c) - b.draw_m(rb, cb)) / unit, 2);
+      if (rb < margin || cb < margin || rb >= b.draws_m[0].rows() - margin || cb >= b.draws_m[0].columns() - margin)
+        continue;
+      sum += std::pow(static_cast<double>(a.draws_m[0](r, c) - b.draws_m[0](rb, cb)) / unit, 2);
       ++n;
     }
   return std::sqrt(sum / n);
@@ -142,7 +143,7 @@ TEST(Reconstruction, IsTheSameEveryTimeAndWithAnyThreads) {
   Reconstruction b;
   reconstructor.reconstruct(scene.height, scene.variance, scene.window(), scene.law, backwards, b);
   EXPECT_EQ(a.mean_m, b.mean_m);
-  EXPECT_EQ(a.draw_m, b.draw_m);
+  EXPECT_EQ(a.draws_m[0], b.draws_m[0]);
 }
 
 TEST(Reconstruction, ConstantDataGiveAConstantMean) {
@@ -152,7 +153,7 @@ TEST(Reconstruction, ConstantDataGiveAConstantMean) {
   const Reconstruction out = reconstruct(scene);
   for (std::size_t i = 0; i < out.mean_m.size(); ++i) {
     ASSERT_NEAR(out.mean_m[i], 123.25, 1e-4);
-    ASSERT_TRUE(std::isfinite(out.draw_m[i]));
+    ASSERT_TRUE(std::isfinite(out.draws_m[0][i]));
   }
 }
 
@@ -165,8 +166,8 @@ TEST(Reconstruction, OneDatumIsEnough) {
     EXPECT_TRUE(out.converged) << "D = " << dimension;
     EXPECT_NEAR(out.mean_m(20, 30), 5.0, 1e-4);
     EXPECT_NEAR(out.mean_m(49, 89), 5.0, 1e-3);
-    EXPECT_NEAR(out.draw_m(20, 30), 5.0, 0.05);  // 5 sd of the datum
-    EXPECT_TRUE(std::all_of(out.draw_m.begin(), out.draw_m.end(), [](float z) { return std::isfinite(z); }));
+    EXPECT_NEAR(out.draws_m[0](20, 30), 5.0, 0.05);  // 5 sd of the datum
+    EXPECT_TRUE(std::all_of(out.draws_m[0].begin(), out.draws_m[0].end(), [](float z) { return std::isfinite(z); }));
   }
 }
 
@@ -184,8 +185,8 @@ TEST(Reconstruction, TakesWindowsOfEveryShape) {
     scene.variance(0, 0) = 1e-4F;
     const Reconstruction out = reconstruct(scene);
     EXPECT_TRUE(out.converged) << rows << " x " << columns;
-    EXPECT_EQ(out.draw_m.rows(), rows);
-    EXPECT_TRUE(std::all_of(out.draw_m.begin(), out.draw_m.end(), [](float z) { return std::isfinite(z); }));
+    EXPECT_EQ(out.draws_m[0].rows(), rows);
+    EXPECT_TRUE(std::all_of(out.draws_m[0].begin(), out.draws_m[0].end(), [](float z) { return std::isfinite(z); }));
   }
 }
 

@@ -102,7 +102,7 @@ TEST(SdMap, EightFieldsSayWhatManySay) {
     with.reconstruct(scene.height, scene.variance, scene.window({128 * (k % 9), 128 * (k / 9)}), scene.law, serial,
                      out);
     for (std::size_t i = 0; i < few.size(); ++i) {
-      const float e = out.draw_m[i] - out.mean_m[i];
+      const float e = out.draws_m[0][i] - out.mean_m[i];
       (k < 8 ? few[i] : many[i]) += e * e / (k < 8 ? 8.0F : 64.0F);
     }
   }

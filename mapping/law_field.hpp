@@ -1,0 +1,42 @@
+#pragma once
+// The law of the ground in every cell, for the reconstruction: from estimates that are noisy and have holes.
+
+#include "core/executor.hpp"
+#include "core/grid.hpp"
+#include "fractal/reconstruction/box_cascade.hpp"
+#include "fractal/reconstruction/surface_problem.hpp"
+#include "mapping/roughness.hpp"
+
+namespace scree::mapping {
+
+/// D and log of the rms change over one cell, averaged over a few cells with weights 1/sigma_D² (a tenth of it where
+/// the estimate is flagged: limited by noise, at its bound, or no single power law) and, with the weight of one cell of
+/// middling certainty, the law of the window; then followed over frames by a fifth of the way: the reconstruction's
+/// warm start lives on laws that move little. Change over one cell and not amplitude at 1 m, because the errors of the
+/// latter and of D are nearly one (docs/reconstruction.md).
+class LawField {
+ public:
+  explicit LawField(double cell_m) : cell_m_(cell_m) {}
+
+  /// `window_law`: of the middle of the map. `variance_factor`: what the innovations say of each cell's variance
+  /// (empty = 1). Fills what `law()` returns. Row-parallel but for the box sums. No allocation when the shape stays.
+  void update(const LatticeWindow& window, const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
+              const Grid<float>& variance_factor, Executor& executor);
+
+  /// A law for every cell of the window of the last update.
+  const fractal::LawMap& law() const { return law_; }
+
+ private:
+  void follow_window(const LatticeWindow& window);
+  void load_row(const RoughnessMap& roughness, int row);
+  void follow_row(const fractal::FractalLaw& window_law, int row);
+  void write_row(const Grid<float>& variance_factor, int row);
+
+  double cell_m_;
+  LatticeWindow window_;
+  fractal::BoxCascade weight_, dimension_, log_change_;
+  Grid<float> followed_dimension_, followed_log_change_;  ///< NaN = not yet
+  fractal::LawMap law_;
+};
+
+}  // namespace scree::mapping

@@ -1,0 +1,56 @@
+#pragma once
+// How likely the vehicle comes to grief on a cell, from what the ground may look like.
+
+#include <vector>
+
+#include "core/executor.hpp"
+#include "core/grid.hpp"
+#include "mapping/footprint.hpp"
+#include "mapping/vehicle.hpp"
+
+namespace scree::mapping {
+
+struct RiskConfig {
+  double cell_m = 0.1;
+  int headings = 8;
+  VehicleConfig vehicle;
+};
+
+/// What the draws say of each cell. Grids of the draws' shape; NaN within a footprint of the border, where the vehicle
+/// would stand on cells that the window does not hold.
+struct Risk {
+  Grid<float> worst;                ///< largest probability over the headings that a limit is violated, 0 … 1
+  std::vector<Grid<float>> sector;  ///< of each heading
+  Grid<float> tail;  ///< load of the worst quarter or so of the draws (CVaR), at the heading where it is largest
+};
+
+/// The load of a draw at a heading is the largest share that the footprint takes of a limit: tangents of pitch and roll
+/// of the plane under the wheels, what stands up under the belly over the clearance, the height change within a wheel's
+/// radius of any wheel over the step. A load above 1 violates. Of K draws the loads' mean m and variance s² say
+///   P = Φ((m − 1)/√((1 + 1/K)·s² + τ²)),
+/// τ = kModelError for what a cell, a plane and four points make of a vehicle: a share of K draws would know only
+/// multiples of 1/K. The tail is the mean of the two largest loads: for K = 8 the worst quarter.
+class FootprintRisk {
+ public:
+  static constexpr float kModelError = 0.1F;
+
+  explicit FootprintRisk(const RiskConfig& config);
+
+  /// draws_m: K ≥ 2 grids of one shape without NaN. relief_m2: mean square of the step that a wheel meets inside a
+  /// cell, beyond the cells' heights. Row-parallel, same bytes for any executor; no allocation when the shape stays.
+  /// Cost: O(cells · K · headings · (wheels + belly)), vectorised over cells.
+  void update(const std::vector<Grid<float>>& draws_m, const Grid<float>& relief_m2, Executor& executor, Risk& out);
+
+ private:
+  struct Row;
+  void step_row(const Grid<float>& draw_m, const Grid<float>& relief_m2, int row, Grid<float>& step) const;
+  void risk_row(const std::vector<Grid<float>>& draws_m, int row, Risk& out) const;
+
+  RiskConfig config_;
+  std::vector<Footprint> footprints_;
+  int reach_;
+  std::vector<CellIndex> disc_;     ///< the cells within a wheel's radius
+  std::vector<Grid<float>> steps_;  ///< per draw: load of the step
+};
+
+}  // namespace scree::mapping

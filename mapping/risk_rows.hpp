@@ -1,0 +1,37 @@
+#pragma once
+// The vectorised loops of FootprintRisk: a piece of a row of cells at a time.
+
+#include <array>
+
+#include "core/grid.hpp"
+#include "mapping/footprint.hpp"
+
+namespace scree::mapping::risk_rows {
+
+inline constexpr int kBlock = 128;  ///< cells; what is summed stays in the first cache
+
+/// Inverse limits: of the tangents of pitch and roll, of the clearance.
+struct Limits {
+  float pitch, roll, clearance_m;
+};
+
+/// Over the draws, per cell: sum, sum of squares and the two largest of the loads.
+struct Sums {
+  alignas(64) std::array<float, kBlock> sum, square, first, second;
+  void clear() {
+    for (auto* of : {&sum, &square, &first, &second}) of->fill(0.0F);
+  }
+};
+
+/// best = max(best, |there − here|)
+void raise_difference(const float* here, const float* there, int n, float* best);
+/// best = √(best² + relief)·scale
+void step_load(const float* relief_m2, float scale, int n, float* best);
+/// The loads of one draw for the vehicle on cells (row, column) … (row, column + n − 1), n ≤ kBlock, into `sums`.
+void add_loads(const Footprint& footprint, const Limits& limits, const Grid<float>& draw_m, const Grid<float>& step,
+               int row, int column, int n, Sums& sums);
+/// Of K = `draws` loads: the probability of one above 1, its maximum with `worst`, and of the mean of the two largest
+/// loads with `tail`.
+void finish(const Sums& sums, int draws, float model_error, int n, float* probability, float* worst, float* tail);
+
+}  // namespace scree::mapping::risk_rows

@@ -1,0 +1,137 @@
+#include "mapping/roughness.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "fractal/surface.hpp"
+#include "mapping/law_field.hpp"
+
+namespace scree::mapping {
+namespace {
+
+constexpr int kSide = 80;
+
+struct Scene {
+  Grid<float> height_m, variance_m2 = Grid<float>(kSide, kSide, 0.0F);
+  Grid<std::uint16_t> support = Grid<std::uint16_t>(kSide, kSide, 0);
+  Grid<std::uint8_t> wanted = Grid<std::uint8_t>(kSide, kSide, 1);
+  LatticeWindow window{{0, 0}, kSide, kSide};
+
+  explicit Scene(Grid<float> height) : height_m(std::move(height)) {}
+};
+
+Scene rough(double dimension, std::uint64_t seed = 1) {
+  return Scene(*fractal::fbm_surface({dimension, 0.1}, kSide, kSide, 0.1, seed));
+}
+
+TEST(Roughness, ReportsTheSmallWindowWhereItIsCertainEnough) {
+  const Scene scene = rough(2.4);
+  SerialExecutor serial;
+  for (const double target : {0.0, 1.0}) {
+    RoughnessConfig config;
+    config.sigma_target = target;
+    Roughness roughness(config);
+    const RoughnessMap& map =
+        roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+    const auto& expected = target > 0.0 ? roughness.small() : roughness.large();
+    for (int r = 20; r < 60; ++r)
+      for (int c = 20; c < 60; ++c) {
+        ASSERT_EQ(map.dimension(r, c), expected.dimension(r, c));
+        ASSERT_EQ(map.amplitude_m(r, c), expected.amplitude_m(r, c));
+        ASSERT_EQ(map.radius_cells(r, c), target > 0.0 ? config.small_radius_cells : config.large_radius_cells);
+      }
+  }
+}
+
+TEST(Roughness, SaysNothingWhereNothingIsKnown) {
+  Scene scene = rough(2.4);
+  for (int r = 0; r < kSide; ++r)
+    for (int c = 30; c < kSide; ++c) scene.height_m(r, c) = NAN;
+  SerialExecutor serial;
+  Roughness roughness({});
+  const RoughnessMap& map =
+      roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+  EXPECT_TRUE(std::isnan(map.dimension(40, 60)));
+  EXPECT_EQ(map.radius_cells(40, 60), 0);
+  EXPECT_NE(map.flags(40, 60) & fractal::kTooLittleData, 0);
+}
+
+// A changed height is heard of within two frames, wherever it is, and a cell that is not wanted has no roughness.
+TEST(Roughness, IsAtMostOneFrameOld) {
+  Scene scene = rough(2.4), other = rough(2.7, 2);
+  SerialExecutor serial;
+  Roughness followed({}), fresh({});
+  scene.wanted(40, 41) = other.wanted(40, 41) = 0;
+  followed.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+  for (int frame = 0; frame < 2; ++frame)
+    followed.update(scene.window, other.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+  const RoughnessMap& a =
+      followed.update(scene.window, other.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+  const RoughnessMap& b =
+      fresh.update(scene.window, other.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+  for (int r = 0; r < kSide; ++r)
+    for (int c = 0; c < kSide; ++c)
+      if (r != 40 || c != 41) {
+        ASSERT_EQ(a.dimension(r, c), b.dimension(r, c)) << r << ' ' << c;
+      }
+  EXPECT_TRUE(std::isnan(a.dimension(40, 41)));
+}
+
+TEST(LawField, FollowsTheGroundFromZoneToZoneAndKeepsToTheWindowsLawFarFromData) {
+  Scene scene = rough(2.7);
+  const Grid<float> smooth = *fractal::fbm_surface({2.2, 0.02}, kSide, kSide, 0.1, 2);
+  for (int r = 0; r < kSide; ++r)
+    for (int c = 0; c < kSide; ++c) {
+      if (c < 40) scene.height_m(r, c) = smooth(r, c);
+      if (r >= 50) scene.height_m(r, c) = NAN;
+    }
+  SerialExecutor serial;
+  Roughness roughness({});
+  const RoughnessMap& map =
+      roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+  LawField field(0.1);
+  const fractal::FractalLaw window_law{2.45, 0.05};
+  field.update(scene.window, map, window_law, {}, serial);
+  const fractal::LawMap& law = field.law();
+  // sigma of D in a window of 21 × 21 cells is .04 at most; neighbours share most of it
+  EXPECT_NEAR(law.dimension(25, 12), 2.2F, 0.16F);
+  EXPECT_NEAR(law.dimension(25, 68), 2.7F, 0.16F);
+  EXPECT_LT(law.amplitude_m(25, 12), 0.04F);
+  EXPECT_GT(law.amplitude_m(25, 68), 0.07F);
+  EXPECT_NEAR(law.dimension(78, 40), 2.45F, 1e-4F);
+  EXPECT_NEAR(law.amplitude_m(78, 40), 0.05F, 1e-5F);
+}
+
+TEST(LawField, StaysWithItsGroundWhenTheWindowMovesAndMovesAFifthOfTheWay) {
+  const Scene scene = rough(2.5);
+  SerialExecutor serial;
+  Roughness roughness({});
+  const RoughnessMap map =
+      roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+  LawField field(0.1);
+  field.update(scene.window, map, {2.5, 0.1}, {}, serial);
+  const Grid<float> before = field.law().dimension;
+  // Nothing is known any more: every cell moves towards the law of the window.
+  RoughnessMap nothing = map;
+  for (float& d : nothing.dimension) d = NAN;
+  field.update({{3, 5}, kSide, kSide}, nothing, {2.9, 0.1}, {}, serial);
+  for (int r = 10; r < 70; ++r)
+    for (int c = 10; c < 70; ++c)
+      ASSERT_NEAR(field.law().dimension(r, c), before(r + 5, c + 3) + 0.2F * (2.9F - before(r + 5, c + 3)), 1e-4F);
+}
+
+TEST(LawField, TheVarianceFactorScalesTheAmplitude) {
+  const Scene scene = rough(2.5);
+  SerialExecutor serial;
+  Roughness roughness({});
+  const RoughnessMap& map =
+      roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+  LawField plain(0.1), scaled(0.1);
+  plain.update(scene.window, map, {2.5, 0.1}, {}, serial);
+  scaled.update(scene.window, map, {2.5, 0.1}, Grid<float>(kSide, kSide, 4.0F), serial);
+  EXPECT_NEAR(scaled.law().amplitude_m(30, 30), 2.0F * plain.law().amplitude_m(30, 30), 1e-5F);
+  EXPECT_EQ(scaled.law().dimension(30, 30), plain.law().dimension(30, 30));
+}
+
+}  // namespace
+}  // namespace scree::mapping
