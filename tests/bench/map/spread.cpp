@@ -23,7 +23,7 @@ void spread_section() {
   print_text(R"(
 ## The small scene of the tests
 
-Six frames of the small scanner over D 2.4 (tests/mapping/traversability_test.cpp), over seeds that the test does not use.
+Four frames of the lidar over D 2.4 (tests/mapping/traversability_test.cpp), over seeds that the test does not use.
 
 | figure | mean | sd over seeds | least | largest |
 |---|---|---|---|---|)");
@@ -35,6 +35,8 @@ Six frames of the small scanner over D 2.4 (tests/mapping/traversability_test.cp
     return values;
   };
   const auto area = [](const Judgement& j, Method m) { return j.scores[kAllCells][m].auc(); };
+  row("share of impassable cells",
+      gather([](const Judgement& j) { return j.scores[kAllCells][kCost].share_impassable(); }));
   row("area under the ROC of cost", gather([&](const Judgement& j) { return area(j, kCost); }));
   row("of cost less that of relief", gather([&](const Judgement& j) { return area(j, kCost) - area(j, kRelief); }));
   row("of cost less that of slope, step, roughness",
@@ -42,6 +44,10 @@ Six frames of the small scanner over D 2.4 (tests/mapping/traversability_test.cp
   row("of risk less that of relief", gather([&](const Judgement& j) { return area(j, kRisk) - area(j, kRelief); }));
   row("of risk less that of slope, step, roughness",
       gather([&](const Judgement& j) { return area(j, kRisk) - area(j, kPlane); }));
+  row("of risk less that of relief, reconstructed cells", gather([](const Judgement& j) {
+        const auto& scores = j.scores[kReconstructedCells];
+        return scores[kRisk].auc() - scores[kRelief].auc();
+      }));
   row("coverage, measured", gather([](const Judgement& j) { return j.heights.measured.coverage(); }));
   row("coverage, reconstructed in open sight", gather([](const Judgement& j) {
         fractal::PredictionScore sum;
