@@ -88,6 +88,15 @@ TEST(Separation, IsotonicCalibrationPoolsViolators) {
   EXPECT_NEAR(brier(counts, p), (0.09 + 0.25 + 0.25 + 0.09) / 4.0, 1e-12);
 }
 
+TEST(Separation, ProbabilitiesAreTakenForWhatTheySay) {
+  const Calibration p = as_it_is();
+  for (const float probability : {0.0F, 1e-4F, 0.3F, 0.5F, 0.99F, 1.0F}) {
+    ScoreCounts counts;
+    counts.add(probability_score(probability), false);
+    EXPECT_NEAR(std::sqrt(brier(counts, p)), static_cast<double>(probability), 0.004);
+  }
+}
+
 TEST(Baselines, TheMembraneFillsAPlaneExactly) {
   Grid<float> z(40, 40, std::nanf(""));
   for (int r = 0; r < 40; ++r)

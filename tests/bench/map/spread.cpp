@@ -44,6 +44,8 @@ Four frames of the lidar over D 2.4 (tests/mapping/traversability_test.cpp), ove
   row("of risk less that of relief", gather([&](const Judgement& j) { return area(j, kRisk) - area(j, kRelief); }));
   row("of risk less that of slope, step, roughness",
       gather([&](const Judgement& j) { return area(j, kRisk) - area(j, kPlane); }));
+  row("of risk less that of fill, footprint",
+      gather([&](const Judgement& j) { return area(j, kRisk) - area(j, kFootprint); }));
   row("of risk less that of relief, reconstructed cells", gather([](const Judgement& j) {
         const auto& scores = j.scores[kReconstructedCells];
         return scores[kRisk].auc() - scores[kRelief].auc();

@@ -159,7 +159,7 @@ class Judge {
   float risk(const Place& p) const {
     if (in_.map.risk.empty()) return std::numeric_limits<float>::quiet_NaN();
     const float risk = in_.map.risk(p.row, p.column);
-    return std::isnan(risk) && state_(p.row, p.column) == CellState::possible_drop ? 1.0F : risk;
+    return probability_score(std::isnan(risk) && state_(p.row, p.column) == CellState::possible_drop ? 1.0F : risk);
   }
 
   void count_false_lethal(const Place& p, std::uint8_t cost, float share) {

@@ -9,6 +9,8 @@
 namespace scree::bench {
 namespace {
 
+constexpr double kMostLogit = 15.0;
+
 double sum(const std::vector<std::uint32_t>& counts) {
   return std::accumulate(counts.begin(), counts.end(), 0.0);
 }
@@ -77,9 +79,17 @@ Calibration isotonic(const ScoreCounts& counts) {
   return out;
 }
 
+float probability_score(float probability) {
+  const double p = static_cast<double>(probability), odds = p / (1.0 - p);  // 0 and infinity included
+  return static_cast<float>(0.5 + 0.5 * std::clamp(std::log(odds) / kMostLogit, -1.0, 1.0));
+}
+
 Calibration as_it_is() {
   Calibration out(kScoreBins);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<double>(i) / (kScoreBins - 1);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double logit = kMostLogit * (2.0 * static_cast<double>(i) / (kScoreBins - 1) - 1.0);
+    out[i] = 1.0 / (1.0 + std::exp(-logit));
+  }
   return out;
 }
 

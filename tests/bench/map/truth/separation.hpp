@@ -30,7 +30,9 @@ using Calibration = std::vector<double>;
 /// The maximum-likelihood one that never falls with the score (pool adjacent violators), then held within
 /// ½/cells … 1 − ½/cells of its pools: no pool of a finite sample is certain.
 Calibration isotonic(const ScoreCounts& counts);
-/// The score is the probability.
+/// A probability as a score that keeps apart what is almost certain: its logit from −15 … 15 to 0 … 1.
+float probability_score(float probability);
+/// The calibration that takes such scores for what they say.
 Calibration as_it_is();
 
 /// Mean squared difference of probability and truth [B50].
