@@ -74,7 +74,7 @@ void map_pictures(const std::filesystem::path& folder, const Scene& scene) {
   if (!map.elevation_mean_m.empty()) top.push_back(heights("elevation mean (m)", map.elevation_mean_m, limits));
   top.push_back(plain("elevation sigma (m)", map.elevation_sigma_m, 0.0, 0.1));
   const Grid<float> states = grid_of(map, [&](int r, int c) { return static_cast<float>(map.state(r, c)); });
-  top.push_back(plain("state: 0 never seen ... 2 drop, 3 reconstructed, 4 measured", states, 0.0, 4.0));
+  top.push_back(plain("state (4 measured ... 0 never seen)", states, 0.0, 4.0));
   const auto write = [&](const char* what, const std::vector<io::PicturePanel>& panels) {
     const auto png = folder / fmt::format("map-{}-{}.png", scene.name, what);
     report(png, io::write_map_picture(png, panels, frame, robot, caption));

@@ -86,20 +86,21 @@ void brier_table(const SensorResults& r) {
 }
 
 /// In words: where the lower end of the interval of the gain is above zero for both baselines.
-void verdict(const SensorResults& r, CellClass kind, const std::string& cells) {
+void verdict(const SensorResults& r, CellClass kind, Method method, const char* what) {
+  if (pooled(scenes_of(r.scenes), kind, method).cells() == 0.0) return;
   std::string better, not_better;
   for (const double d : kDimensions) {
     const Scenes scenes = scenes_of(r.scenes, d);
     if (scenes.empty()) continue;
-    const Interval relief = gain(scenes, kind, kCost, kRelief), plane = gain(scenes, kind, kCost, kPlane);
+    const Interval relief = gain(scenes, kind, method, kRelief), plane = gain(scenes, kind, method, kPlane);
     const Interval& least = relief.value < plane.value ? relief : plane;
     std::string& list = std::min(relief.low, plane.low) > 0.0 ? better : not_better;
     list += fmt::format("{}{:.1f} ({:+.3f})", list.empty() ? "" : ", ", d, least.value);
   }
   print_text(
-      fmt::format("\n{}, area under the ROC of cost less that of the better baseline: better than both (95 %) at D = "
-                  "{}; **not so** at D = {}.",
-                  cells, better.empty() ? "none" : better, not_better.empty() ? "none" : not_better));
+      fmt::format("\n{}, area under the ROC less that of the better baseline: better than both (95 %) at D = {}; "
+                  "**not so** at D = {}.",
+                  what, better.empty() ? "none" : better, not_better.empty() ? "none" : not_better));
 }
 
 }  // namespace
@@ -110,7 +111,8 @@ void separation_section() {
 
 Does the score tell the cells that the true ground makes impassable at the worst heading? Cells with a cost (a possible drop
 has 254, and risk 1), the same for every method. Area under the ROC: the chance that an impassable cell scores worse than a
-passable one; pooled over the scenes of a D, 95 % intervals by drawing scenes again, differences paired.
+passable one; pooled over the scenes of a D, 95 % intervals by drawing scenes again, differences paired. A cost has ties where
+a risk has none: everything lethal is 254.
 
 *fill, relief*: mean of the returns of a cell, gaps filled by a membrane, highest less lowest height around the cell. *slope,
 step, roughness*: the rules of traversability_estimation on the same filled ground. Windows, critical values and weights of
@@ -130,8 +132,10 @@ the tuning grounds, for each sensor and method; *the share alone* is who always 
     auc_table(r, kAllCells);
     print_text("\nArea under the ROC, reconstructed cells:");
     auc_table(r, kReconstructedCells);
-    verdict(r, kAllCells, "All cells");
-    verdict(r, kReconstructedCells, "Reconstructed cells");
+    verdict(r, kAllCells, kCost, "Cost, all cells");
+    verdict(r, kAllCells, kRisk, "Risk, all cells");
+    verdict(r, kReconstructedCells, kCost, "Cost, reconstructed cells");
+    verdict(r, kReconstructedCells, kRisk, "Risk, reconstructed cells");
     print_text("\nBrier score, all cells:");
     brier_table(r);
   }
