@@ -15,6 +15,7 @@ struct Simulator::State {
   RecordingDescription description;
   Terrain terrain;
   Trajectory trajectory;
+  PoseTrack odometry;
   std::shared_ptr<const Projection> projection;
   std::shared_ptr<const SensorConfig> sensor;
   std::vector<PixelRay> rays;
@@ -23,8 +24,8 @@ struct Simulator::State {
   int rows() const { return projection->rows; }
   Time row_time(Time frame_time, int row) const { return frame_time + row * sensor->row_period; }
   /// Frames begin during the drive and end before the hold does.
-  Pose body_at(Time time) const {
-    return trajectory.track.at(time).value_or(trajectory.track.poses().back().T_map_body);
+  static Pose body_at(const PoseTrack& track, Time time) {
+    return track.at(time).value_or(track.poses().back().T_map_body);
   }
 };
 
@@ -42,6 +43,13 @@ Result<SimulatedSensor> configured_sensor(const SimulatorConfig& config) {
     return Error{ErrorKind::usage,
                  fmt::format("expected a frame period of at least the scan of {} ({} s), found {} s", config.sensor,
                              format_seconds(scan), format_seconds(config.frame_period))};
+  const OdometryErrors& errors = config.odometry;
+  if (!(errors.drift_share >= 0.0 && errors.drift_share <= 1.0 && errors.attitude_rms_rad >= 0.0 &&
+        errors.attitude_rms_rad <= 0.5))
+    return Error{ErrorKind::usage,
+                 fmt::format("expected an odometry drift of 0 … 1 of the way and an attitude error of "
+                             "0 … 0.5 rad, found {} and {} rad",
+                             errors.drift_share, errors.attitude_rms_rad)};
   if (config.T_body_sensor) simulated->sensor.T_body_sensor = *config.T_body_sensor;
   if (config.physics) {
     simulated->physics = *config.physics;
@@ -81,10 +89,11 @@ Result<Simulator> Simulator::make(const SimulatorConfig& config) {
   const auto frames = static_cast<std::size_t>(trajectory->drive / simulated->frame_period) + 1;
   auto shared_sensor = std::make_shared<const SensorConfig>(sensor);
   auto rays = tabulate_rays(sensor.projection);
+  auto odometry = odometry_track(trajectory->track, config.odometry, config.seed);
   RecordingDescription description{Origin::sim, sensor};
-  return Simulator(std::make_unique<State>(State{config, *std::move(simulated), std::move(description),
-                                                 *std::move(terrain), *std::move(trajectory), *std::move(projection),
-                                                 std::move(shared_sensor), std::move(rays), frames}));
+  return Simulator(std::make_unique<State>(
+      State{config, *std::move(simulated), std::move(description), *std::move(terrain), *std::move(trajectory),
+            std::move(odometry), *std::move(projection), std::move(shared_sensor), std::move(rays), frames}));
 }
 
 Simulator::Simulator(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -104,6 +113,9 @@ const Terrain& Simulator::terrain() const {
 const PoseTrack& Simulator::poses() const {
   return state_->trajectory.track;
 }
+const PoseTrack& Simulator::odometry() const {
+  return state_->odometry;
+}
 Time Simulator::frame_time(std::size_t i) const {
   return state_->trajectory.track.begin() + static_cast<std::int64_t>(i) * state_->simulated.frame_period;
 }
@@ -119,7 +131,7 @@ Result<SimulatedFrame> Simulator::render(std::size_t i, Executor& executor) cons
   std::vector<double> drift_m;
   for (int row = 0; row < s.rows(); ++row) {
     const Time time = s.row_time(frame.time, row);
-    T_map_sensor.push_back(s.body_at(time) * s.sensor->T_body_sensor);
+    T_map_sensor.push_back(s.body_at(s.trajectory.track, time) * s.sensor->T_body_sensor);
     drift_m.push_back(drift_offset_m(s.simulated.physics, s.config.seed, to_seconds(time.time_since_epoch())));
   }
   const ScanSetup setup{s.terrain,      s.simulated.physics,   s.rays,
@@ -147,7 +159,7 @@ std::shared_ptr<const RangeFrame> Simulator::range_frame(const SimulatedFrame& f
           s.projection->range_offset_m[i] + static_cast<float>(frame.raw[i]) * s.projection->range_per_count_m[i];
   for (int row = 0; row < s.rows(); ++row) {
     out->row_time.push_back(s.row_time(out->time, row));
-    out->T_map_body.push_back(s.body_at(s.row_time(frame.time, row)));
+    out->T_map_body.push_back(s.body_at(s.odometry, s.row_time(frame.time, row)));
   }
   return out;
 }

@@ -10,6 +10,7 @@
 
 #include "core/executor.hpp"
 #include "core/result.hpp"
+#include "drivers/odometry.hpp"
 #include "drivers/recording.hpp"
 #include "drivers/simulator_physics.hpp"
 #include "drivers/simulator_sensors.hpp"
@@ -29,6 +30,7 @@ struct SimulatorConfig {
   std::optional<Pose> T_body_sensor;     ///< nothing = the sensor's usual mounting
   std::optional<SensorPhysics> physics;  ///< nothing = the sensor's nominal physics
   BodyPlacement placement = BodyPlacement::footprint;
+  OdometryErrors odometry;  ///< of the poses that frames and recordings bring; rays leave the true ones
   SurveyGridding gridding;
 };
 
@@ -59,8 +61,11 @@ class Simulator {
   /// Time of row 0 of frame i.
   Time frame_time(std::size_t i) const;
   const Terrain& terrain() const;
+  /// Where the scanner was.
   const PoseTrack& poses() const;
-  /// The frame as a source would deliver it: metres, row times and poses, all moved by `epoch`.
+  /// Where odometry says that it was: poses() unless the configuration has errors.
+  const PoseTrack& odometry() const;
+  /// The frame as a source would deliver it: metres, row times and odometry's poses, all moved by `epoch`.
   std::shared_ptr<const RangeFrame> range_frame(const SimulatedFrame& frame, Duration epoch) const;
 
  private:
@@ -72,7 +77,8 @@ class Simulator {
 /// Called after each frame with the number done so far and the number in all.
 using FrameProgress = std::function<void(std::size_t done, std::size_t count)>;
 
-/// Renders every frame into `directory` in the recording format, with truth/NNNNNN.range.npy and truth/terrain.tif.
+/// Renders every frame into `directory` in the recording format, with truth/NNNNNN.range.npy, truth/terrain.tif and
+/// truth/poses.csv (the true ones; poses.csv has odometry's).
 /// `recording_yaml` is the text for recording.yaml, made from description(). Errors: cannot_create, io.
 /// Without GDAL in the build truth/terrain.npy takes the raster's place.
 Status write_recording(const Simulator& simulator, const std::filesystem::path& directory,

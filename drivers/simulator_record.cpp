@@ -4,6 +4,8 @@
 #include <system_error>
 
 #include "drivers/simulator.hpp"
+#include "drivers/table.hpp"
+#include "io/file_bytes.hpp"
 #include "io/npy.hpp"
 #include "io/raster.hpp"
 
@@ -16,10 +18,13 @@ Status write_terrain(const Terrain& terrain, const std::filesystem::path& truth)
   return io::write_npy(truth / "terrain.npy", terrain.raster().height_m);  // a build without GDAL
 }
 
-Status write_poses(const Simulator& simulator, RecordingWriter& writer) {
-  for (const StampedPose& pose : simulator.poses().poses())
+Status write_poses(const Simulator& simulator, const std::filesystem::path& truth, RecordingWriter& writer) {
+  for (const StampedPose& pose : simulator.odometry().poses())
     if (auto status = writer.add_pose(pose); !status) return status;
-  return {};
+  std::string table(kPosesHeader);
+  table += '\n';
+  for (const StampedPose& pose : simulator.poses().poses()) table += format_pose_row(pose);
+  return io::write_bytes(truth / "poses.csv", {reinterpret_cast<const std::uint8_t*>(table.data()), table.size()});
 }
 
 Status write_frame(const SimulatedFrame& frame, const Simulator& simulator, const std::filesystem::path& truth,
@@ -41,7 +46,7 @@ Status write_recording(const Simulator& simulator, const std::filesystem::path& 
   if (failed)
     return Error{ErrorKind::cannot_create, fmt::format("{}: cannot be created: {}", truth.string(), failed.message())};
   if (auto status = write_terrain(simulator.terrain(), truth); !status) return status;
-  if (auto status = write_poses(simulator, *writer); !status) return status;
+  if (auto status = write_poses(simulator, truth, *writer); !status) return status;
   for (std::size_t i = 0; i < simulator.frame_count(); ++i) {
     const auto frame = simulator.render(i, executor);
     if (!frame) return frame.error();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
+#include <numbers>
 #include <spdlog/spdlog.h>
 #include <string>
 #include <system_error>
@@ -20,6 +21,7 @@ namespace {
 struct SimulateOptions {
   drivers::SimulatorConfig simulator;
   std::string noise = "nominal";
+  double attitude_error_deg = 0.0;
   std::string out;
 };
 
@@ -34,6 +36,7 @@ Status check_directory(const std::filesystem::path& directory) {
 
 Result<int> run_simulate(SimulateOptions options) {
   options.simulator.noise = options.noise == "nominal";
+  options.simulator.odometry.attitude_rms_rad = options.attitude_error_deg * std::numbers::pi / 180.0;
   const auto simulator = drivers::Simulator::make(options.simulator);
   if (!simulator) return simulator.error();
   if (const auto possible = check_directory(options.out); !possible) return possible.error();
@@ -72,6 +75,16 @@ Command add_simulate(CLI::App& app) {
   command->add_option("--noise", options->noise, "off: exact to quantisation; default nominal")
       ->check(CLI::IsMember({"off", "nominal"}))
       ->type_name("off|nominal");
+  command
+      ->add_option("--odometry-drift", simulator.odometry.drift_share,
+                   "poses.csv errs by this share of the way (rms), in each direction; truth/poses.csv does not")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("SHARE");
+  command
+      ->add_option("--attitude-error-deg", options->attitude_error_deg,
+                   "poses.csv errs by this angle (rms) about each axis, slowly varying")
+      ->check(CLI::Range(0.0, 25.0))
+      ->type_name("DEG");
   add_seed(*command, [options](std::uint64_t seed) { options->simulator.seed = seed; });
   command->add_option("--out", options->out, "Directory of the recording")->required()->type_name("DIR");
   return {command, [options] { return run_simulate(*options); }};

@@ -1,0 +1,93 @@
+// Frame in → snapshot out, beside the plainest fusion of the same frames.
+
+#include <array>
+#include <chrono>
+#include <thread>
+
+#include "mapping/mapper.hpp"
+#include "node/worker_pool.hpp"
+#include "tests/bench/map/going.hpp"
+#include "tests/bench/map/quantiles.hpp"
+#include "tests/bench/map/report.hpp"
+#include "tests/bench/map/truth/must.hpp"
+#include "tests/bench/map/truth/welford.hpp"
+
+namespace scree::bench {
+namespace {
+
+struct Size {
+  const char* sensor;
+  const char* pixels;
+};
+constexpr std::array kSizes = {Size{"lidar64", "64 × 1024"}, Size{"perceptron-cmu", "256 × 256"},
+                               Size{"depth", "640 × 480"}};
+constexpr int kWarmUp = 24, kTimed = 120;
+
+double milliseconds(const auto& call) {
+  const auto start = std::chrono::steady_clock::now();
+  call();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// What is timed, in turns on every frame.
+enum Work : std::uint8_t { kWelford, kOneThread, kTwoThreads, kWide };
+constexpr std::array<const char*, 4> kWorkNames = {"plain Welford (convert, mean, M2)", "whole step, 1 thread",
+                                                   "whole step, 2 threads", "whole step, 400² cells, 1 thread"};
+using Times = std::array<std::vector<double>, kWorkNames.size()>;
+
+Times time_frames(const char* sensor) {
+  EndlessDrive drive(sensor);
+  SerialExecutor serial;
+  node::WorkerPool pool(2);
+  const std::jthread worker([&pool](const std::stop_token& stop) { pool.work(stop); });
+  mapping::MapConfig config, wide_config;
+  wide_config.size_cells = 400;
+  WelfordFusion plain(config.cell_m, config.size_cells / 2);
+  mapping::Mapper one(config, serial), two(config, pool), wide(wide_config, serial);
+  Times times;
+  for (int i = 0; i < kWarmUp + (quick ? 12 : kTimed); ++i) {
+    const RangeFrame frame = drive.next();
+    const auto step = [&frame](mapping::Mapper& mapper) {
+      return milliseconds([&] {
+        must(mapper.step(frame));
+        static_cast<void>(mapper.snapshot());
+      });
+    };
+    const std::array<double, kWorkNames.size()> ms = {milliseconds([&] { plain.add(frame); }), step(one), step(two),
+                                                      step(wide)};
+    if (i >= kWarmUp)
+      for (std::size_t w = 0; w < ms.size(); ++w) times[w].push_back(ms[w]);
+  }
+  return times;
+}
+
+}  // namespace
+
+void speed_section() {
+  print_text(fmt::format(R"(
+## Speed
+
+Wall time from the frame to the snapshot, 200 × 200 cells of 0.1 m unless said otherwise; frames of a drive forth and back
+over rough ground, 0.1 m a frame, after {} frames of warm-up, {} timed; the kinds of work take turns on each frame. Ratios are
+of medians, to the plain Welford fusion of the same frames.)",
+                         kWarmUp, kTimed));
+  for (const auto& [sensor, pixels] : kSizes) {
+    print_text(
+        fmt::format("\n### {} ({})\n\n| work | median (ms) | p99 (ms) | ratio |\n|---|---|---|---|", pixels, sensor));
+    const Times times = time_frames(sensor);
+    std::array<double, kWorkNames.size()> medians{};
+    for (std::size_t w = 0; w < times.size(); ++w) {
+      medians[w] = quantile(times[w], 0.5);
+      print_text(fmt::format("| {} | {:.2f} | {:.2f} | {:.1f} |", kWorkNames[w], medians[w], quantile(times[w], 0.99),
+                             medians[w] / medians[kWelford]));
+    }
+    print_text(fmt::format(
+        "\nEverything within 50 ms on two cores: {}; p99 within twice the median: {}; two cores 1.6 times as "
+        "fast as one ({:.2f}): {}; 400² cells within 4.5 times 200² ({:.2f}): {}.",
+        at_most(medians[kTwoThreads], 50.0), at_most(quantile(times[kTwoThreads], 0.99), 2.0 * medians[kTwoThreads]),
+        medians[kOneThread] / medians[kTwoThreads], at_least(medians[kOneThread] / medians[kTwoThreads], 1.6),
+        medians[kWide] / medians[kOneThread], at_most(medians[kWide] / medians[kOneThread], 4.5)));
+  }
+}
+
+}  // namespace scree::bench
