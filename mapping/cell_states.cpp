@@ -28,6 +28,9 @@ void CellStates::classify(const GroundLayers& ground, const fractal::Reconstruct
   constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
   const int rows = ground.measured.rows();
   const int columns = ground.measured.columns();
+  const Grid<float>* expected = filled == nullptr             ? nullptr
+                                : filled->free_mean_m.empty() ? &filled->mean_m
+                                                              : &filled->free_mean_m;
   state.assign(rows, columns, CellState::never_seen);
   elevation_m.assign(rows, columns, kUnknown);
   for_rows(executor, rows, [&](int begin, int end) {
@@ -39,7 +42,7 @@ void CellStates::classify(const GroundLayers& ground, const fractal::Reconstruct
         evidence.shadowed = ground.shadowed(row, column) != 0;
         evidence.ceiling_m = ground.ceiling_m(row, column);
         evidence.lip_m = ground.lip_m(row, column);
-        evidence.filled_mean_m = filled != nullptr ? filled->mean_m(row, column) : kUnknown;
+        evidence.filled_mean_m = expected != nullptr ? (*expected)(row, column) : kUnknown;
         const CellState verdict = cell_state(evidence, config_.drop_margin_m);
         state(row, column) = verdict;
         if (verdict == CellState::measured) elevation_m(row, column) = ground.height_m(row, column);

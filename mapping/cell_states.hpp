@@ -22,7 +22,7 @@ struct CellEvidence {
   bool shadowed = false;
   float ceiling_m = 0.0F;
   float lip_m = 0.0F;
-  float filled_mean_m = 0.0F;  ///< reconstruction's mean; NaN = there is no reconstruction
+  float filled_mean_m = 0.0F;  ///< reconstruction's mean from the heights alone; NaN = there is no reconstruction
 };
 
 /// In this order: measured; possible_drop where the ceiling lies more than the margin below where the nearer ground

@@ -9,7 +9,7 @@ namespace scree::mapping {
 
 struct CostConfig {
   std::uint8_t unmeasured_floor = 64;  ///< ground that was not measured is never cheaper
-  double lethal_risk = 0.5;            ///< a probability of violation from which a cell is lethal, (0, 1]
+  double lethal_risk = 0.8;            ///< a probability of violation from which a cell is lethal, (0, 1]
 };
 
 /// Measured ground whose roughness nobody could estimate is never cheaper than this.

@@ -6,6 +6,7 @@
 
 #include "core/executor.hpp"
 #include "core/simd.hpp"
+#include "fractal/cell_mean_law.hpp"
 #include "fractal/plane_scroll.hpp"
 
 namespace scree::mapping {
@@ -23,6 +24,12 @@ constexpr double kDimensionMin = 2.05, kDimensionMax = 2.95;
 constexpr float kChangeMin_m = 1e-5F;
 
 }  // namespace
+
+fractal::FractalLaw LawField::of_cells(const fractal::FractalLaw& points) const {
+  const auto cells = fractal::CellMeanLaw::instance().at(static_cast<float>(points.hurst()));
+  const double hurst = std::clamp(static_cast<double>(cells.hurst), 3.0 - kDimensionMax, 3.0 - kDimensionMin);
+  return {3.0 - hurst, static_cast<double>(cells.change) * points.rms_change_m(cell_m_) * std::pow(cell_m_, -hurst)};
+}
 
 void LawField::follow_window(const LatticeWindow& window) {
   const std::int64_t down = std::int64_t{window.min.y} - window_.min.y,
@@ -73,27 +80,30 @@ void LawField::follow_row(const fractal::FractalLaw& window_law, int row) {
   }
 }
 
-void LawField::write_row(const Grid<float>& variance_factor, int row) {
+void LawField::write_row(int row) {
   const auto log_cell = static_cast<float>(std::log(cell_m_));
+  const fractal::CellMeanLaw& cell_law = fractal::CellMeanLaw::instance();
   for (int column = 0; column < window_.columns; ++column) {
-    const float d = std::clamp(followed_dimension_(row, column), static_cast<float>(kDimensionMin),
-                               static_cast<float>(kDimensionMax));
-    const float factor = variance_factor.empty() ? 1.0F : variance_factor(row, column);
-    law_.dimension(row, column) = d;
-    law_.amplitude_m(row, column) =
-        std::sqrt(factor) * std::exp(followed_log_change_(row, column) - (3.0F - d) * log_cell);
+    const float change_m = std::exp(followed_log_change_(row, column));
+    const auto of_cells = cell_law.at(3.0F - followed_dimension_(row, column));
+    const float hurst =
+        std::clamp(of_cells.hurst, 3.0F - static_cast<float>(kDimensionMax), 3.0F - static_cast<float>(kDimensionMin));
+    law_.dimension(row, column) = 3.0F - hurst;
+    law_.amplitude_m(row, column) = of_cells.change * change_m * std::exp(-hurst * log_cell);
+    relief_m2_(row, column) = of_cells.within * change_m * change_m;
   }
 }
 
 void LawField::update(const LatticeWindow& window, const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
                       const Grid<float>& variance_factor, Executor& executor) {
   if (window != window_) follow_window(window);
-  if (law_.dimension.rows() != window.rows || law_.dimension.columns() != window.columns) {
-    for (Grid<float>* grid : {&law_.dimension, &law_.amplitude_m}) grid->assign(window.rows, window.columns, 2.5F);
+  if (relief_m2_.rows() != window.rows || relief_m2_.columns() != window.columns) {
+    for (Grid<float>* grid : {&law_.dimension, &law_.amplitude_m, &relief_m2_})
+      grid->reshape(window.rows, window.columns);
     for (fractal::BoxCascade* box : {&weight_, &dimension_, &log_change_})
       box->resize(window.rows, window.columns, kRadius);
   }
-  law_.law = window_law;
+  law_.law = of_cells(window_law);
   for_rows(executor, window.rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) load_row(roughness, row);
   });
@@ -101,7 +111,7 @@ void LawField::update(const LatticeWindow& window, const RoughnessMap& roughness
   for_rows(executor, window.rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {
       follow_row(window_law, row);
-      write_row(variance_factor, row);
+      write_row(row);
     }
   });
 }

@@ -18,25 +18,30 @@ class LawField {
  public:
   explicit LawField(double cell_m) : cell_m_(cell_m) {}
 
-  /// `window_law`: of the middle of the map. `variance_factor`: what the innovations say of each cell's variance
-  /// (empty = 1). Fills what `law()` returns. Row-parallel but for the box sums. No allocation when the shape stays.
+  /// `roughness` and `window_law` (of the middle of the map) are laws of the ground's points. Row-parallel but for the
+  /// box sums. No allocation when the shape stays.
   void update(const LatticeWindow& window, const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
-              const Grid<float>& variance_factor, Executor& executor);
+              Executor& executor);
 
-  /// A law for every cell of the window of the last update.
+  /// A law for every cell of the window of the last update: of the means over cells, which are what the map's heights
+  /// are (fractal/cell_mean_law.hpp).
   const fractal::LawMap& law() const { return law_; }
+  /// Variance of the ground's points within each cell by its law.
+  const Grid<float>& relief_m2() const { return relief_m2_; }
 
  private:
+  fractal::FractalLaw of_cells(const fractal::FractalLaw& points) const;
   void follow_window(const LatticeWindow& window);
   void load_row(const RoughnessMap& roughness, int row);
   void follow_row(const fractal::FractalLaw& window_law, int row);
-  void write_row(const Grid<float>& variance_factor, int row);
+  void write_row(int row);
 
   double cell_m_;
   LatticeWindow window_;
   fractal::BoxCascade weight_, dimension_, log_change_;
   Grid<float> followed_dimension_, followed_log_change_;  ///< NaN = not yet
   fractal::LawMap law_;
+  Grid<float> relief_m2_;
 };
 
 }  // namespace scree::mapping

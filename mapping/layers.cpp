@@ -39,16 +39,15 @@ StateConfig state_config(const MapConfig& config) {
   return {config.reconstruct_reach_m / config.cell_m, static_cast<float>(config.drop_margin_m)};
 }
 
-// Mean square of the largest step that a wheel meets inside a cell over the variance of heights in it: of an evenly
-// sampled face as in terrain_shape.cpp, and of a cell of fBm, whose variance is half the mean square change between two
-// places in it: 0.52 cells apart in the middle.
+// A face that its returns sample evenly is √12 of their standard deviations high. What the law expects of the relief of
+// a cell, three times over, and what chance adds to it, are no face: the cells' own heights show that ground's steps.
 constexpr float kFaceVariances = 12.0F;
-constexpr float kRoughVariances = 4.0F;
-constexpr float kInsideCell = 0.52F;
+constexpr float kExpectedRelief = 3.0F;
+constexpr float kChance = 3.0F;  // standard deviations of a sample variance
 
-float relief_by_law_m2(float dimension, float amplitude_m, float cell_m) {
-  const float change_m = amplitude_m * std::pow(kInsideCell * cell_m, 3.0F - dimension);
-  return kRoughVariances * 0.5F * change_m * change_m;
+float face_m2(float relief_m2, float expected_m2, float noise_m2, float hits) {
+  const float chance = kChance * std::sqrt(2.0F / std::max(hits, 1.0F)) * (noise_m2 + expected_m2);
+  return kFaceVariances * std::max(0.0F, relief_m2 - kExpectedRelief * expected_m2 - chance);
 }
 
 }  // namespace
@@ -57,6 +56,7 @@ Layers::Layers(const MapConfig& config)
     : config_(config),
       roughness_(roughness_config(config)),
       states_(state_config(config)),
+      law_field_(config.cell_m),
       elevation_(elevation_config(config)),
       shape_(shape_config(config)),
       footprint_risk_(risk_config(config)),
@@ -84,22 +84,22 @@ fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, Execut
   const auto seen = window_law_.estimate(*rough_, ground_.measured);
   if (seen) law_ = law_ ? follow(*law_, *seen) : *seen;
   if (!law_) return nullptr;
-  return elevation_.update(ground_, window, *rough_, *law_, *closed_, executor);
+  law_field_.update(window, *rough_, *law_, executor);
+  return elevation_.update(ground_, window, law_field_.law(), *closed_, executor);
 }
 
 void Layers::judge_risk(const fractal::Reconstruction& filled, Executor& executor) {
-  const fractal::LawMap& law = elevation_.law();
-  const auto cell_m = static_cast<float>(config_.cell_m);
   const int rows = closed_->rows(), columns = closed_->columns();
-  wheel_relief_m2_.reshape(rows, columns);
+  face_m2_.reshape(rows, columns);
   for_rows(executor, rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row)
-      for (int column = 0; column < columns; ++column)
-        wheel_relief_m2_(row, column) =
-            std::max(kFaceVariances * ground_.relief_m2(row, column),
-                     relief_by_law_m2(law.dimension(row, column), law.amplitude_m(row, column), cell_m));
+      for (int column = 0; column < columns; ++column) {
+        const auto hits = static_cast<float>(ground_.hits(row, column));
+        face_m2_(row, column) = face_m2(ground_.relief_m2(row, column), law_field_.relief_m2()(row, column),
+                                        hits * ground_.noise_variance_m2(row, column), hits);
+      }
   });
-  footprint_risk_.update(filled.draws_m, wheel_relief_m2_, *closed_, executor, risk_);
+  footprint_risk_.update(filled.draws_m, face_m2_, *closed_, executor, risk_);
 }
 
 void Layers::shape_outputs(MapSnapshot& out) const {

@@ -7,6 +7,7 @@
 #include "core/rolling_grid.hpp"
 #include "mapping/cell_states.hpp"
 #include "mapping/ground_layers.hpp"
+#include "mapping/law_field.hpp"
 #include "mapping/local_elevation.hpp"
 #include "mapping/map_cell.hpp"
 #include "mapping/mapper.hpp"
@@ -43,9 +44,10 @@ class Layers {
   std::optional<fractal::FractalLaw> law_;  ///< of the window, followed over frames
   CellStates states_;
   const Grid<std::uint8_t>* closed_ = nullptr;  ///< measured cells and those between them
+  LawField law_field_;
   LocalElevation elevation_;
   TerrainShape shape_;
-  Grid<float> wheel_relief_m2_;  ///< of the step that a wheel meets inside a cell
+  Grid<float> face_m2_;  ///< squared height of a face inside a cell
   FootprintRisk footprint_risk_;
   Risk risk_;
   RollingGrid<std::uint8_t> lethal_;  ///< lethal when last measured

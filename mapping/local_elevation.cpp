@@ -1,6 +1,7 @@
 #include "mapping/local_elevation.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/executor.hpp"
@@ -24,7 +25,7 @@ fractal::ReconstructionConfig reconstruction_config(const LocalElevationConfig& 
 }  // namespace
 
 LocalElevation::LocalElevation(const LocalElevationConfig& config)
-    : config_(config), reconstructor_(reconstruction_config(config)), law_(config.cell_m) {}
+    : config_(config), reconstructor_(reconstruction_config(config)) {}
 
 void LocalElevation::learn(const GroundLayers& ground, const LatticeWindow& window, Executor& executor) {
   squared_ratio_.assign(window.rows, window.columns, kUnknown);
@@ -63,14 +64,20 @@ void LocalElevation::set_ceilings(const GroundLayers& ground, const Grid<std::ui
   });
 }
 
+void LocalElevation::calibrate(const fractal::LawMap& law) {
+  law_ = law;
+  const Grid<float>& factor = calibration_.factor();
+  for (std::size_t i = 0; i < factor.size(); ++i) law_.amplitude_m[i] *= std::sqrt(factor[i]);
+}
+
 fractal::Reconstruction* LocalElevation::update(const GroundLayers& ground, const LatticeWindow& window,
-                                                const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
-                                                const Grid<std::uint8_t>& predicted, Executor& executor) {
+                                                const fractal::LawMap& law, const Grid<std::uint8_t>& predicted,
+                                                Executor& executor) {
   if (std::find(ground.measured.begin(), ground.measured.end(), 1) == ground.measured.end()) return nullptr;
   learn(ground, window, executor);
-  law_.update(window, roughness, window_law, calibration_.factor(), executor);
+  calibrate(law);
   set_ceilings(ground, predicted, executor);
-  reconstructor_.reconstruct(ground.height_m, ground.variance_m2, ceiling_m_, window, law_.law(), executor, filled_);
+  reconstructor_.reconstruct(ground.height_m, ground.variance_m2, ceiling_m_, window, law_, executor, filled_);
   remember(ground, window, predicted);
   return &filled_;
 }

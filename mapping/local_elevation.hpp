@@ -8,8 +8,6 @@
 #include "fractal/reconstruction/conditional.hpp"
 #include "fractal/reconstruction/innovation_calibration.hpp"
 #include "mapping/ground_layers.hpp"
-#include "mapping/law_field.hpp"
-#include "mapping/roughness.hpp"
 
 namespace scree::mapping {
 
@@ -28,25 +26,22 @@ class LocalElevation {
  public:
   explicit LocalElevation(const LocalElevationConfig& config);
 
-  /// `predicted`: 1 = cells that the map vouches for between measured ones; ceilings count there alone, and innovations
-  /// are learnt from there. Null while nothing was ever measured. Valid until the next call; the caller may take the
-  /// draws away.
-  fractal::Reconstruction* update(const GroundLayers& ground, const LatticeWindow& window,
-                                  const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
+  /// `law`: of the heights at `window`. `predicted`: 1 = cells that the map vouches for between measured ones; ceilings
+  /// count there alone, and innovations are learnt from there. Null while nothing was ever measured. Valid until the
+  /// next call; the caller may take the draws away.
+  fractal::Reconstruction* update(const GroundLayers& ground, const LatticeWindow& window, const fractal::LawMap& law,
                                   const Grid<std::uint8_t>& predicted, Executor& executor);
-
-  /// Of the last update.
-  const fractal::LawMap& law() const { return law_.law(); }
 
  private:
   void learn(const GroundLayers& ground, const LatticeWindow& window, Executor& executor);
+  void calibrate(const fractal::LawMap& law);
   void remember(const GroundLayers& ground, const LatticeWindow& window, const Grid<std::uint8_t>& predicted);
   void set_ceilings(const GroundLayers& ground, const Grid<std::uint8_t>& predicted, Executor& executor);
 
   LocalElevationConfig config_;
   fractal::ConditionalReconstructor reconstructor_;
   fractal::InnovationCalibration calibration_;
-  LawField law_;
+  fractal::LawMap law_;  ///< with what was learnt
   fractal::Reconstruction filled_;
   Grid<float> ceiling_m_;
 

@@ -37,8 +37,7 @@ void ConditionalReconstructor::reconstruct(const Grid<float>& height_m, const Gr
   out.draws_m.resize(static_cast<std::size_t>(work.fields()));
   for (Grid<float>& draw : out.draws_m) draw.reshape(window.rows, window.columns);
   out.mean_m.reshape(window.rows, window.columns);
-  out.mean_square_m2.assign(0, 0, kNaN);
-  out.sd_m.assign(0, 0, kNaN);
+  for (Grid<float>* grid : {&out.free_mean_m, &out.mean_square_m2, &out.sd_m}) grid->assign(0, 0, kNaN);
   out.iterations = 0;
   out.converged = false;
   work.window = window;

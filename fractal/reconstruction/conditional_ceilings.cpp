@@ -79,6 +79,7 @@ void ConditionalReconstructor::Solver::write(Reconstruction& out) const {
 
 /// The pushes move draws, mean and standard deviation.
 void ConditionalReconstructor::Solver::write_pushes(const FrameData& data, Reconstruction& out) {
+  out.free_mean_m = out.mean_m;
   if (std::find(pushed.begin(), pushed.end(), 1) == pushed.end()) return;
   sums.resize(window.rows, window.columns);
   for (std::size_t k = 0; k < pushes.size(); ++k)

@@ -17,19 +17,18 @@ const fractal::FractalLaw kLaw{2.4, 0.1};
 struct Scene {
   Grid<float> truth = *fractal::fbm_surface(kLaw, kSide, kSide, kCell_m, 5);
   GroundLayers ground;
-  RoughnessMap roughness;
   Grid<std::uint8_t> everywhere = Grid<std::uint8_t>(kSide, kSide, 1);
   LatticeWindow window{{-7, 11}, kSide, kSide};
 
   Scene() {
-    for (Grid<float>* grid : {&ground.height_m, &ground.ceiling_m, &roughness.dimension, &roughness.dimension_sigma,
-                              &roughness.amplitude_m})
-      grid->assign(kSide, kSide, NAN);
+    for (Grid<float>* grid : {&ground.height_m, &ground.ceiling_m}) grid->assign(kSide, kSide, NAN);
     for (Grid<float>* grid : {&ground.variance_m2, &ground.noise_variance_m2, &ground.relief_m2})
       grid->assign(kSide, kSide, 0.0F);
     ground.measured.assign(kSide, kSide, 0);
-    roughness.flags.assign(kSide, kSide, fractal::kTooLittleData);
-    roughness.radius_cells.assign(kSide, kSide, 0);
+  }
+  static fractal::LawMap law(const fractal::FractalLaw& one) {
+    return {one, Grid<float>(kSide, kSide, static_cast<float>(one.dimension)),
+            Grid<float>(kSide, kSide, static_cast<float>(one.amplitude_m))};
   }
   void measure(int row, int column) {
     constexpr double kSigma_m = 0.003;
@@ -64,7 +63,7 @@ TEST(LocalElevation, HasNothingToSayBeforeTheFirstMeasurement) {
   const Scene scene;
   SerialExecutor serial;
   LocalElevation elevation({kCell_m, kSide, 8, 1});
-  EXPECT_EQ(elevation.update(scene.ground, scene.window, scene.roughness, kLaw, scene.everywhere, serial), nullptr);
+  EXPECT_EQ(elevation.update(scene.ground, scene.window, scene.law(kLaw), scene.everywhere, serial), nullptr);
 }
 
 // One surface: the share of covered cells has a standard error of about .01 (8,800 cells, some 900 independent gaps).
@@ -73,7 +72,7 @@ TEST(LocalElevation, IntervalsCoverWhatTheySayUnderTheTrueLaw) {
   scene.measure_share(0.08, 1);
   SerialExecutor serial;
   LocalElevation elevation({kCell_m, kSide, 8, 1});
-  const auto* out = elevation.update(scene.ground, scene.window, scene.roughness, kLaw, scene.everywhere, serial);
+  const auto* out = elevation.update(scene.ground, scene.window, scene.law(kLaw), scene.everywhere, serial);
   ASSERT_NE(out, nullptr);
   EXPECT_EQ(out->draws_m.size(), 8U);
   EXPECT_NEAR(coverage(scene, *out).share, 0.9, 0.04);
@@ -87,11 +86,11 @@ TEST(LocalElevation, InnovationsMendAnAmplitudeThatIsWrong) {
   SerialExecutor serial;
   LocalElevation elevation({kCell_m, kSide, 8, 1});
   const fractal::FractalLaw wrong{kLaw.dimension, 0.5 * kLaw.amplitude_m};
-  const auto* out = elevation.update(scene.ground, scene.window, scene.roughness, wrong, scene.everywhere, serial);
+  const auto* out = elevation.update(scene.ground, scene.window, scene.law(wrong), scene.everywhere, serial);
   const double before = coverage(scene, *out).error2;
   for (std::uint64_t frame = 2; frame < 8; ++frame) {
     scene.measure_share(0.03, frame);
-    out = elevation.update(scene.ground, scene.window, scene.roughness, wrong, scene.everywhere, serial);
+    out = elevation.update(scene.ground, scene.window, scene.law(wrong), scene.everywhere, serial);
   }
   EXPECT_GT(before, 2.5);
   EXPECT_LT(coverage(scene, *out).error2, 1.35);
@@ -112,7 +111,7 @@ TEST(LocalElevation, DrawsStayBelowTheRaysAfterAFewFrames) {
   LocalElevation elevation({kCell_m, kSide, 8, 1});
   const fractal::Reconstruction* out = nullptr;
   for (int frame = 0; frame < 4; ++frame)
-    out = elevation.update(scene.ground, scene.window, scene.roughness, kLaw, scene.everywhere, serial);
+    out = elevation.update(scene.ground, scene.window, scene.law(kLaw), scene.everywhere, serial);
   int above = 0, cells = 0;
   for (const Grid<float>& draw : out->draws_m)
     for (int r = 22; r < 74; ++r)
@@ -127,9 +126,9 @@ TEST(LocalElevation, DrawsAreCoherentFromFrameToFrame) {
   scene.measure_share(0.1, 1);
   SerialExecutor serial;
   LocalElevation elevation({kCell_m, kSide, 8, 1});
-  const auto* out = elevation.update(scene.ground, scene.window, scene.roughness, kLaw, scene.everywhere, serial);
+  const auto* out = elevation.update(scene.ground, scene.window, scene.law(kLaw), scene.everywhere, serial);
   const Grid<float> before = out->draws_m[3];
-  out = elevation.update(scene.ground, scene.window, scene.roughness, kLaw, scene.everywhere, serial);
+  out = elevation.update(scene.ground, scene.window, scene.law(kLaw), scene.everywhere, serial);
   double change2 = 0.0, spread2 = 0.0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     change2 += std::pow(static_cast<double>(out->draws_m[3][i] - before[i]), 2);
