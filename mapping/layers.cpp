@@ -76,9 +76,10 @@ const fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, 
   return &filled_;
 }
 
-void Layers::compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out) {
+void Layers::compute(const RollingGrid<MapCell>& map, std::uint32_t now_ms, Executor& executor, MapSnapshot& out) {
   const LatticeWindow& window = map.window();
-  ground_.unroll(map, config_.cell_m, executor);
+  ground_.unroll(map, config_.cell_m, executor, now_ms);
+  out.cell_age_s = ground_.cell_age_s;
   estimate_roughness(window, executor);
   const fractal::Reconstruction* filled = reconstruct(window, executor);
   states_.classify(ground_, filled, executor, out.state, out.elevation_m);

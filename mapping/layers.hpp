@@ -22,8 +22,8 @@ namespace scree::mapping {
 class Layers {
  public:
   explicit Layers(const MapConfig& config);
-  /// Sets every grid of `out`.
-  void compute(const RollingGrid<MapCell>& map, Executor& executor, MapSnapshot& out);
+  /// Sets every grid of `out`. `now_ms`: see GroundLayers::unroll.
+  void compute(const RollingGrid<MapCell>& map, std::uint32_t now_ms, Executor& executor, MapSnapshot& out);
 
  private:
   void estimate_roughness(const LatticeWindow& window, Executor& executor);

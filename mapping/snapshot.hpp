@@ -27,17 +27,17 @@ struct MapSnapshot {
 
   Grid<std::uint8_t> cost;
   Grid<CellState> state;
-  Grid<float> elevation_m;        ///< measured: fused height; reconstructed: draw 0 of the posterior
-  Grid<float> elevation_mean_m;   ///< measured: fused height; reconstructed: mean of the posterior
-  Grid<float> elevation_sigma_m;  ///< one standard deviation of elevation_mean_m's error
+  Grid<float> elevation_m;           ///< measured: fused height; reconstructed: draw 0 of the posterior
+  Grid<float> elevation_mean_m;      ///< measured: fused height; reconstructed: mean of the posterior
+  Grid<float> elevation_sigma_m;     ///< one standard deviation of elevation_mean_m's error
   std::vector<Grid<float>> draws_m;  ///< posterior draws that are alike from frame to frame, wherever there is a mean
   /// Probability that the vehicle, centred on the cell, violates one of its limits: at the worst heading, and by sector
-  /// k of headings about (k + ½)·180°/n, n = heading_risk.size(), from the map's x axis to its y axis; driving backwards
-  /// is the same.
+  /// k of headings about (k + ½)·180°/n, n = heading_risk.size(), from the map's x axis to its y axis; driving
+  /// backwards is the same.
   Grid<float> risk;
   std::vector<Grid<float>> heading_risk;
   Grid<float> cell_age_s;  ///< data_time less the time of the cell's newest return; NaN where not measured
-  Grid<float> dimension;          ///< D; NaN where there is too little data
+  Grid<float> dimension;   ///< D; NaN where there is too little data
   Grid<float> dimension_sigma;
   Grid<std::uint8_t> dimension_flags;  ///< bits of fractal::DimensionFlag
   Grid<float> amplitude_m;             ///< rms height change at 1 m; with D it gives every other lag
