@@ -31,6 +31,9 @@ void add_range_limits(Schema<SensorConfig>& schema) {
   schema.keys.push_back(number<SensorConfig>(
       "range_sigma_per_m2", [](SensorConfig& s) -> double& { return s.noise.sigma_per_m2; }, {0, 10, false},
       "Part that grows with ρ²."));
+  schema.keys.push_back(number<SensorConfig>(
+      "angle_sigma_rad", [](SensorConfig& s) -> double& { return s.noise.angle_rad; }, {0, 0.5, false},
+      "Standard deviation of a ray's direction about each of two axes; 0 = none told."));
   schema.rules.push_back({{"range_max_m", "range_min_m"}, [](const SensorConfig& s) -> std::optional<Contradiction> {
                             if (s.filter.range_min_m < s.filter.range_max_m) return std::nullopt;
                             return Contradiction{"range_min_m below range_max_m",

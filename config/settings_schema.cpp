@@ -47,6 +47,9 @@ Schema<MapConfig> map_schema() {
       number<MapConfig>(
           "outlier_sigmas", [](MapConfig& m) -> double& { return m.outlier_sigmas; }, {1, 1000, false},
           "A return that contradicts its cell by more is counted, not fused."),
+      flag<MapConfig>(
+          "align_frames", [](MapConfig& m) -> bool& { return m.align_frames; },
+          "Lay every frame onto the map, and let the map follow the pose: for poses that drift."),
       integer<MapConfig, int>(
           "draws", [](MapConfig& m) -> int& { return m.draws; }, {2, 64, false},
           "Surfaces that the ground may be, behind standard deviation and risk."),
@@ -138,6 +141,21 @@ Schema<PoseSettings> pose_source_schema() {
   schema.keys.push_back(integer<PoseSettings, int>(
       "max_age_ms", [](PoseSettings& p) -> int& { return p.max_age_ms; }, {1, 3.6e6, false},
       "udp: a frame whose pose is older maps nothing."));
+  return schema;
+}
+
+/// Keys of "pose." that the mapper reads.
+Schema<MapConfig> pose_sigma_schema() {
+  Schema<MapConfig> schema;
+  schema.keys = {number<MapConfig>(
+                     "sigma_xy_m", [](MapConfig& m) -> double& { return m.pose_sigma_xy_m; }, {0, 100, false},
+                     "Standard deviation of a pose's x and y where its source tells none."),
+                 number<MapConfig>(
+                     "sigma_z_m", [](MapConfig& m) -> double& { return m.pose_sigma_z_m; }, {0, 100, false},
+                     "The same for its z."),
+                 number<MapConfig>(
+                     "sigma_attitude_rad", [](MapConfig& m) -> double& { return m.pose_sigma_attitude_rad; },
+                     {0, 1, false}, "The same for its rotation about each axis.")};
   return schema;
 }
 
@@ -278,6 +296,8 @@ Schema<Settings> make_schema() {
          vehicle_schema());
   append(schema, "pose.", Lens<Settings, PoseSettings>([](Settings& s) -> PoseSettings& { return s.pose; }),
          pose_source_schema());
+  append(schema, "pose.", Lens<Settings, MapConfig>([](Settings& s) -> MapConfig& { return s.map; }),
+         pose_sigma_schema());
   append(schema, "publish.", Lens<Settings, PublishSettings>([](Settings& s) -> PublishSettings& { return s.publish; }),
          publish_schema());
   append(schema, "node.", Lens<Settings, NodeSettings>([](Settings& s) -> NodeSettings& { return s.node; }),

@@ -42,6 +42,15 @@ class RollingGrid {
     return {slots.subspan(first), slots.first(first)};
   }
 
+  /// What was known of lattice cell (x, y) is from now on known of (x + by.x, y + by.y): the window moves with its
+  /// contents. O(1).
+  void relabel(CellIndex by) {
+    label_.x += by.x;
+    label_.y += by.y;
+    window_.min.x += by.x;
+    window_.min.y += by.y;
+  }
+
   /// Moves the window so that `min` is its smallest corner; entering cells become `empty`.
   void roll_to(CellIndex min) {
     const std::int64_t dx = std::int64_t{min.x} - window_.min.x;
@@ -71,8 +80,8 @@ class RollingGrid {
   }
   void place(CellIndex min) {
     window_.min = min;
-    first_row_ = floor_mod(min.y, window_.rows);
-    first_column_ = floor_mod(min.x, window_.columns);
+    first_row_ = floor_mod(min.y - label_.y, window_.rows);
+    first_column_ = floor_mod(min.x - label_.x, window_.columns);
   }
   int slot_row(int row) const {
     const int slot = first_row_ + row;
@@ -84,7 +93,8 @@ class RollingGrid {
   }
 
   LatticeWindow window_;
-  int first_row_ = 0;  ///< slot of the window's row 0
+  CellIndex label_{0, 0};  ///< what relabel() has added up to
+  int first_row_ = 0;      ///< slot of the window's row 0
   int first_column_ = 0;
   Grid<T> slots_;
   T empty_;

@@ -46,11 +46,15 @@ void CellPoints::sort(const PointFrame& frame, const LatticeWindow& window, doub
   next_.assign(begin_.begin(), begin_.end() - 1);
   z_m_.resize(inside);
   variance_m2_.resize(inside);
+  horizontal_m2_.resize(inside);
   for (std::size_t i = 0; i < points; ++i) {
     if (cell_of_[i] < 0) continue;
     const std::uint32_t slot = next_[static_cast<std::size_t>(cell_of_[i])]++;
     z_m_[slot] = frame.z_m[i];
-    variance_m2_[slot] = frame.direction_z[i] * frame.direction_z[i] * frame.range_variance_m2[i];
+    const PlaceVariance place =
+        place_variance(frame.range_m[i], frame.range_variance_m2[i], frame.angle_sigma_rad, frame.direction_z[i]);
+    variance_m2_[slot] = place.height_m2;
+    horizontal_m2_[slot] = place.horizontal_m2;
   }
 }
 

@@ -27,8 +27,9 @@ class CellPoints {
   }
   /// Heights relative to the frame's anchor; the caller may reorder them.
   std::span<float> heights_m(int row, int column) { return piece(z_m_, row, column); }
-  /// Variance of each height: direction_z² · range variance.
+  /// Of the places, see place_variance: along z, and along one horizontal axis.
   std::span<float> variances_m2(int row, int column) { return piece(variance_m2_, row, column); }
+  std::span<float> horizontal_variances_m2(int row, int column) { return piece(horizontal_m2_, row, column); }
 
  private:
   std::size_t index(int row, int column) const {
@@ -44,7 +45,7 @@ class CellPoints {
   std::vector<std::int32_t> cell_of_;  ///< per point; -1 = outside
   std::vector<std::uint32_t> begin_;   ///< cells + 1 offsets
   std::vector<std::uint32_t> next_;
-  std::vector<float> z_m_, variance_m2_;
+  std::vector<float> z_m_, variance_m2_, horizontal_m2_;
 };
 
 }  // namespace scree::mapping

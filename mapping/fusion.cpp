@@ -14,6 +14,7 @@ void replace(const GroundReturn& frame, MapCell& cell) {
   cell.height_m = frame.height_m;
   cell.noise_variance_m2 = frame.noise_variance_m2;
   cell.shared_variance_m2 = frame.shared_variance_m2;
+  cell.place_variance_m2 = frame.place_variance_m2;
   cell.relief_m2 = frame.relief_m2;
   cell.hits = static_cast<std::uint16_t>(std::min(frame.hits, 65535));
   cell.contradictions = 0;
@@ -25,16 +26,20 @@ void average(const GroundReturn& frame, float stored_m2, float frame_m2, MapCell
   const float n_old = std::min(static_cast<float>(cell.hits), kPooledHits);
   const float n_new = static_cast<float>(frame.hits);
   const float share = n_new / (n_old + n_new);
-  const float between_m2 =
-      std::max(0.0F, innovation_m * innovation_m - cell.noise_variance_m2 - cell.shared_variance_m2 -
-                         frame.noise_variance_m2 - frame.shared_variance_m2);
+  const float pose_m2 =
+      frame.against_map_m2 >= 0.0F ? frame.against_map_m2 : cell.shared_variance_m2 + frame.shared_variance_m2;
+  const float explained_m2 =
+      cell.noise_variance_m2 + cell.place_variance_m2 + frame.noise_variance_m2 + frame.place_variance_m2 + pose_m2;
+  const float between_m2 = std::max(0.0F, innovation_m * innovation_m - explained_m2);
   cell.relief_m2 = (1.0F - share) * cell.relief_m2 + share * frame.relief_m2 + share * (1.0F - share) * between_m2;
   cell.height_m += gain * innovation_m;
   const auto mixed = [gain](float stored, float seen) {
     return (1.0F - gain) * (1.0F - gain) * stored + gain * gain * seen;
   };
   cell.noise_variance_m2 = mixed(cell.noise_variance_m2, frame.noise_variance_m2);
-  cell.shared_variance_m2 = mixed(cell.shared_variance_m2, frame.shared_variance_m2);
+  // The pose errs slowly: what the frames share with each other does not average away.
+  cell.shared_variance_m2 += gain * (frame.shared_variance_m2 - cell.shared_variance_m2);
+  cell.place_variance_m2 += gain * (frame.place_variance_m2 - cell.place_variance_m2);
   cell.hits = static_cast<std::uint16_t>(std::min(int{cell.hits} + frame.hits, 65535));
   cell.contradictions = 0;
 }
@@ -55,9 +60,11 @@ FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, Ma
     counts.other_surface += hits;
     return counts;
   }
-  const float stored_m2 = height_variance_m2(cell, config.cell_m);
-  const float frame_m2 = height_variance_m2(frame.noise_variance_m2 + frame.shared_variance_m2, frame.relief_m2,
-                                            frame.hits, config.cell_m);
+  // An aligned frame has its pose's errors in common with the map.
+  const bool aligned = frame.against_map_m2 >= 0.0F;
+  const float stored_m2 = own_variance_m2(cell, config.cell_m) + (aligned ? 0.0F : cell.shared_variance_m2);
+  const float frame_m2 =
+      own_variance_m2(frame, config.cell_m) + (aligned ? frame.against_map_m2 : frame.shared_variance_m2);
   const float innovation_m = frame.height_m - cell.height_m;
   const float gate = config.outlier_sigmas;
   if (innovation_m * innovation_m <= gate * gate * (stored_m2 + frame_m2)) {
@@ -72,35 +79,48 @@ FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, Ma
   return counts;
 }
 
-FusionCounts Fusion::fuse(CellPoints& points, double anchor_z_m, Executor& executor, RollingGrid<MapCell>& map) {
-  row_counts_.assign(static_cast<std::size_t>(points.rows()), {});
-  for_rows(executor, points.rows(), [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) {
-      FusionCounts& counts = row_counts_[static_cast<std::size_t>(row)];
-      for (int column = 0; column < points.columns(); ++column) {
-        if (points.count(row, column) == 0) continue;
-        MapCell& cell = map(row, column);
-        StoredHeight stored;
-        if (cell.measured())
-          stored = {static_cast<float>(static_cast<double>(cell.height_m) - anchor_z_m),
-                    height_variance_m2(cell, config_.cell_m)};
-        GroundReturn frame =
-            ground_return(points.heights_m(row, column), points.variances_m2(row, column), stored, config_);
-        frame.height_m = static_cast<float>(static_cast<double>(frame.height_m) + anchor_z_m);
-        frame.bottom_m = static_cast<float>(static_cast<double>(frame.bottom_m) + anchor_z_m);
-        const FusionCounts cell_counts = fuse_cell(frame, config_, cell);
-        counts.fused += cell_counts.fused;
-        counts.outlier += cell_counts.outlier;
-        counts.other_surface += cell_counts.other_surface;
-      }
+FusionCounts Fusion::fuse_row(FrameReturns& frame, int row, std::uint32_t now_ms, RollingGrid<MapCell>& map) const {
+  FusionCounts counts;
+  for (const CellReturn& seen : frame.of_row(row)) {
+    MapCell& cell = map(seen.row, seen.column);
+    const auto hits = static_cast<std::uint64_t>(seen.ground.hits);
+    if (!cell.measured() && gate_.refused(seen.row, seen.column) && ++cell.contradictions < kFramesToReplace) {
+      counts.outlier += hits;
+      counts.unsupported += hits;
+      counts.other_surface += static_cast<std::uint64_t>(seen.ground.others);
+      continue;
     }
+    const FusionCounts of_cell = fuse_cell(seen.ground, config_, cell);
+    if (of_cell.fused > 0) cell.fused_ms = now_ms;
+    counts.fused += of_cell.fused;
+    counts.outlier += of_cell.outlier;
+    counts.other_surface += of_cell.other_surface;
+  }
+  return counts;
+}
+
+FusionCounts Fusion::fuse(FrameReturns& frame, std::uint32_t now_ms, const GateLaw& law, Executor& executor,
+                          RollingGrid<MapCell>& map) {
+  gate_.judge(frame, map, config_.cell_m, law, executor);
+  row_counts_.assign(static_cast<std::size_t>(map.window().rows), {});
+  for_rows(executor, map.window().rows, [&](int begin, int end) {
+    for (int row = begin; row < end; ++row)
+      row_counts_[static_cast<std::size_t>(row)] = fuse_row(frame, row, now_ms, map);
   });
   FusionCounts total;
   for (const FusionCounts& row : row_counts_) {
     total.fused += row.fused;
     total.outlier += row.outlier;
+    total.unsupported += row.unsupported;
     total.other_surface += row.other_surface;
   }
+  return total;
+}
+
+FusionCounts Fusion::refuse(const FrameReturns& frame) {
+  FusionCounts total;
+  for (const CellReturn& seen : frame.all())
+    total.outlier += static_cast<std::uint64_t>(seen.ground.hits + seen.ground.others);
   return total;
 }
 

@@ -6,7 +6,8 @@
 
 #include "core/executor.hpp"
 #include "core/rolling_grid.hpp"
-#include "mapping/cell_points.hpp"
+#include "mapping/frame_returns.hpp"
+#include "mapping/ground_gate.hpp"
 #include "mapping/ground_return.hpp"
 #include "mapping/map_cell.hpp"
 
@@ -15,7 +16,8 @@ namespace scree::mapping {
 /// What became of the points inside the window: their number is fused + outlier + other_surface.
 struct FusionCounts {
   std::uint64_t fused = 0;
-  std::uint64_t outlier = 0;        ///< contradicted the stored height
+  std::uint64_t outlier = 0;        ///< contradicted the stored height, or the ground around
+  std::uint64_t unsupported = 0;    ///< among `outlier`: the ground around, where nothing was stored
   std::uint64_t other_surface = 0;  ///< canopy, overhang, or the other side of an edge inside the cell
 };
 
@@ -34,11 +36,18 @@ FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, Ma
 class Fusion {
  public:
   explicit Fusion(const GroundConfig& config) : config_(config) {}
-  /// `anchor_z_m` is what the heights of `points` are relative to. Cost: O(cells + points).
-  FusionCounts fuse(CellPoints& points, double anchor_z_m, Executor& executor, RollingGrid<MapCell>& map);
+  /// `now_ms`: the frame's time on the clock of MapCell::fused_ms. `law`: of the ground, for what the ground around
+  /// says of a cell that holds nothing yet. Cost: O(cells hit).
+  FusionCounts fuse(FrameReturns& frame, std::uint32_t now_ms, const GateLaw& law, Executor& executor,
+                    RollingGrid<MapCell>& map);
+  /// Every point of the frame is an outlier: it contradicts the map as a whole.
+  static FusionCounts refuse(const FrameReturns& frame);
 
  private:
+  FusionCounts fuse_row(FrameReturns& frame, int row, std::uint32_t now_ms, RollingGrid<MapCell>& map) const;
+
   GroundConfig config_;
+  GroundGate gate_;
   std::vector<FusionCounts> row_counts_;
 };
 

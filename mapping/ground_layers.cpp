@@ -8,7 +8,7 @@ namespace scree::mapping {
 
 void GroundLayers::shape(int rows, int columns) {
   if (height_m.rows() == rows && height_m.columns() == columns) return;
-  for (Grid<float>* grid : {&height_m, &noise_variance_m2, &variance_m2, &relief_m2, &ceiling_m, &lip_m})
+  for (Grid<float>* grid : {&height_m, &noise_variance_m2, &variance_m2, &relief_m2, &ceiling_m, &lip_m, &cell_age_s})
     grid->assign(rows, columns, 0.0F);
   hits.assign(rows, columns, 0);
   support.assign(rows, columns, 0);
@@ -16,7 +16,7 @@ void GroundLayers::shape(int rows, int columns) {
   shadowed.assign(rows, columns, 0);
 }
 
-void GroundLayers::unroll(const RollingGrid<MapCell>& map, double cell_m, Executor& executor) {
+void GroundLayers::unroll(const RollingGrid<MapCell>& map, double cell_m, Executor& executor, std::uint32_t now_ms) {
   const LatticeWindow& window = map.window();
   shape(window.rows, window.columns);
   const auto pitch_m = static_cast<float>(cell_m);
@@ -32,6 +32,7 @@ void GroundLayers::unroll(const RollingGrid<MapCell>& map, double cell_m, Execut
           relief_m2(row, column) = known ? cell.relief_m2 : 0.0F;
           ceiling_m(row, column) = cell.ceiling_m;
           lip_m(row, column) = cell.lip_m;
+          cell_age_s(row, column) = known ? age_s(now_ms, cell.fused_ms) : std::numeric_limits<float>::quiet_NaN();
           hits(row, column) = cell.hits;
           support(row, column) = random_support(cell.hits);
           measured(row, column) = known ? 1 : 0;
@@ -40,6 +41,21 @@ void GroundLayers::unroll(const RollingGrid<MapCell>& map, double cell_m, Execut
         }
       }
     }
+  });
+}
+
+void GroundLayers::judge_variance(const RollingGrid<MapCell>& map, const Grid<float>& relief_by_law_m2,
+                                  Executor& executor) {
+  for_rows(executor, measured.rows(), [&](int begin, int end) {
+    for (int row = begin; row < end; ++row)
+      for (int column = 0; column < measured.columns(); ++column) {
+        if (measured(row, column) == 0) continue;
+        const MapCell& cell = map(row, column);
+        variance_m2(row, column) =
+            cell.shared_variance_m2 + height_variance_of_relief_m2(cell.noise_variance_m2, cell.place_variance_m2,
+                                                                   cell.relief_m2, cell.hits,
+                                                                   relief_by_law_m2(row, column));
+      }
   });
 }
 

@@ -7,8 +7,6 @@ namespace scree::mapping {
 
 namespace {
 
-constexpr float kSharedNoise = 0.25F;  // share of a return's variance that the whole frame has in common
-
 struct Surface {
   std::size_t begin = 0, end = 0;  ///< in the sorted heights
   std::size_t size() const { return end - begin; }
@@ -77,7 +75,6 @@ GroundReturn ground_return(std::span<float> heights_m, std::span<const float> va
   out.hits = static_cast<int>(choice.chosen.size());
   out.others = static_cast<int>(heights_m.size()) - out.hits;
   out.noise_variance_m2 = variance_m2 / static_cast<float>(out.hits);
-  out.shared_variance_m2 = kSharedNoise * variance_m2;
   double squares = 0.0;
   const auto relief = heights_m.subspan(choice.below_overhang.begin, choice.below_overhang.size());
   for (const float z : relief) squares += static_cast<double>((z - out.height_m) * (z - out.height_m));

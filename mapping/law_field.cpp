@@ -95,7 +95,7 @@ void LawField::write_row(int row) {
 }
 
 void LawField::update(const LatticeWindow& window, const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
-                      const Grid<float>& variance_factor, Executor& executor) {
+                      Executor& executor) {
   if (window != window_) follow_window(window);
   if (relief_m2_.rows() != window.rows || relief_m2_.columns() != window.columns) {
     for (Grid<float>* grid : {&law_.dimension, &law_.amplitude_m, &relief_m2_})

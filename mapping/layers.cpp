@@ -80,11 +80,13 @@ void Layers::estimate_roughness(const LatticeWindow& window, Executor& executor)
   rough_ = &roughness_.update(window, ground_.height_m, place_variance_m2_, ground_.support, *closed_, executor);
 }
 
-fractal::Reconstruction* Layers::reconstruct(const LatticeWindow& window, Executor& executor) {
+fractal::Reconstruction* Layers::reconstruct(const RollingGrid<MapCell>& map, Executor& executor) {
+  const LatticeWindow& window = map.window();
   const auto seen = window_law_.estimate(*rough_, ground_.measured);
   if (seen) law_ = law_ ? follow(*law_, *seen) : *seen;
   if (!law_) return nullptr;
   law_field_.update(window, *rough_, *law_, executor);
+  ground_.judge_variance(map, law_field_.relief_m2(), executor);
   return elevation_.update(ground_, window, law_field_.law(), *closed_, executor);
 }
 
@@ -105,7 +107,7 @@ void Layers::judge_risk(const fractal::Reconstruction& filled, Executor& executo
 void Layers::shape_outputs(MapSnapshot& out) const {
   const int rows = out.window.rows, columns = out.window.columns;
   for (Grid<float>* grid : {&out.elevation_mean_m, &out.elevation_sigma_m, &out.dimension, &out.dimension_sigma,
-                            &out.amplitude_m, &out.risk, &out.cell_age_s})
+                            &out.amplitude_m, &out.risk})
     grid->assign(rows, columns, kUnknown);
   out.cost.assign(rows, columns, kCostUnknown);
   out.hits.assign(rows, columns, 0);
@@ -113,14 +115,16 @@ void Layers::shape_outputs(MapSnapshot& out) const {
   out.dimension_flags.assign(rows, columns, fractal::kTooLittleData);
 }
 
-void Layers::compute(const RollingGrid<MapCell>& map, Executor& executor, StageClock& clock, MapSnapshot& out) {
+void Layers::compute(const RollingGrid<MapCell>& map, std::uint32_t now_ms, Executor& executor, StageClock& clock,
+                     MapSnapshot& out) {
   const LatticeWindow& window = map.window();
-  ground_.unroll(map, config_.cell_m, executor);
+  ground_.unroll(map, config_.cell_m, executor, now_ms);
+  out.cell_age_s = ground_.cell_age_s;
   lethal_.roll_to(window.min);
   closed_ = &states_.close(ground_, executor);
   estimate_roughness(window, executor);
   clock.lap(Stage::roughness);
-  fractal::Reconstruction* filled = reconstruct(window, executor);
+  fractal::Reconstruction* filled = reconstruct(map, executor);
   clock.lap(Stage::elevation);
   states_.classify(ground_, filled, executor, out.state, out.elevation_m);
   shape_.update(out.elevation_m, ground_.noise_variance_m2, ground_.relief_m2, executor, out.slope_rad, out.step_m);

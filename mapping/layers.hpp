@@ -23,12 +23,13 @@ namespace scree::mapping {
 class Layers {
  public:
   explicit Layers(const MapConfig& config);
-  /// Sets every grid of `out`.
-  void compute(const RollingGrid<MapCell>& map, Executor& executor, StageClock& clock, MapSnapshot& out);
+  /// Sets every grid of `out`. `now_ms`: see GroundLayers::unroll.
+  void compute(const RollingGrid<MapCell>& map, std::uint32_t now_ms, Executor& executor, StageClock& clock,
+               MapSnapshot& out);
 
  private:
   void estimate_roughness(const LatticeWindow& window, Executor& executor);
-  fractal::Reconstruction* reconstruct(const LatticeWindow& window, Executor& executor);
+  fractal::Reconstruction* reconstruct(const RollingGrid<MapCell>& map, Executor& executor);
   void judge_risk(const fractal::Reconstruction& filled, Executor& executor);
   void shape_outputs(MapSnapshot& out) const;
   void hand_over(fractal::Reconstruction* filled, MapSnapshot& out);

@@ -12,12 +12,14 @@ namespace scree::mapping {
 struct MapCell {
   float height_m = 0.0F;            ///< mean height of the returns fused
   float noise_variance_m2 = 0.0F;   ///< of that mean: range noise, independent from cell to cell
-  float shared_variance_m2 = 0.0F;  ///< of that mean: what the returns of a frame share (pose, phase)
+  float shared_variance_m2 = 0.0F;  ///< of that mean: what the returns of a frame share (pose, alignment)
+  float place_variance_m2 = 0.0F;   ///< of a single return: it lies beside its true place, on a slope
   float relief_m2 = 0.0F;           ///< variance of single returns about the mean beyond their noise: slope, roughness
   std::uint16_t hits = 0;           ///< returns averaged, saturates
-  std::uint8_t contradictions = 0;  ///< frames in a row whose returns disagreed
+  std::uint8_t contradictions = 0;  ///< frames in a row whose returns disagreed, with the height or the ground around
   std::uint8_t seen_through = 0;    ///< frames since the last hit whose rays passed below the height
   bool shadowed = false;            ///< inside the shadow of a return, in some frame
+  std::uint32_t fused_ms = 0;       ///< when a return was last fused, on the mapper's clock (wraps in 49 days)
   /// Lowest upper bound that rays have set on the ground here; +inf = no ray crossed the cell.
   float ceiling_m = std::numeric_limits<float>::infinity();
   /// Where the ground on the sensor's side would have continued, for the ray of `ceiling_m`; -inf = nothing to expect.
@@ -26,8 +28,9 @@ struct MapCell {
   bool measured() const { return hits > 0; }
 };
 
-// Errors that more returns do not average away: calibration, pose, the systematic part of quantisation.
-inline constexpr float kSystematic_m = 0.005F;
+// Errors that more returns do not average away: calibration, the systematic part of quantisation. What the simulated
+// scanners leave on near ground that hundreds of returns have met (docs/mapping.md).
+inline constexpr float kSystematic_m = 0.002F;
 // Sub-cell relief, as a share of the cell's side, until the cell's own returns tell (counts like kReliefPriorHits).
 inline constexpr float kReliefPrior = 0.1F;
 inline constexpr float kReliefPriorHits = 2.0F;
@@ -35,13 +38,28 @@ inline constexpr float kReliefPriorHits = 2.0F;
 inline constexpr int kIndependentPlaces = 16;
 
 /// Variance of the mean of `hits` returns as an estimate of the cell's mean height: noise of the mean (its own and
-/// shared), the systematic floor, and the sub-cell relief sampled at finitely many places.
-inline float height_variance_m2(float noise_variance_m2, float relief_m2, int hits, float cell_m) {
-  const float prior_m2 = kReliefPrior * kReliefPrior * cell_m * cell_m;
+/// shared), the returns' misplacement on the slope (the mean of many such returns is the ground blurred over the width
+/// of the error, and misses the cell's own mean by as much as one does: measured, docs/mapping.md), the systematic
+/// floor, and the sub-cell relief sampled at finitely many places: the returns' own, shrunk towards what is expected.
+inline float height_variance_of_relief_m2(float noise_variance_m2, float place_variance_m2, float relief_m2, int hits,
+                                          float expected_relief_m2) {
   const float n = static_cast<float>(hits);
-  const float single_m2 = (kReliefPriorHits * prior_m2 + n * relief_m2) / (kReliefPriorHits + n);
-  return noise_variance_m2 + kSystematic_m * kSystematic_m +
+  const float single_m2 = (kReliefPriorHits * expected_relief_m2 + n * relief_m2) / (kReliefPriorHits + n);
+  return noise_variance_m2 + place_variance_m2 + kSystematic_m * kSystematic_m +
          single_m2 / static_cast<float>(std::clamp(hits, 1, kIndependentPlaces));
+}
+
+/// The same while no law of the ground is known.
+inline float height_variance_m2(float noise_variance_m2, float place_variance_m2, float relief_m2, int hits,
+                                float cell_m) {
+  return height_variance_of_relief_m2(noise_variance_m2, place_variance_m2, relief_m2, hits,
+                                      kReliefPrior * kReliefPrior * cell_m * cell_m);
+}
+
+/// Seconds from `then_ms` to `now_ms` on a clock that wraps; 0 where it went backwards (a recording begun again).
+inline float age_s(std::uint32_t now_ms, std::uint32_t then_ms) {
+  const auto elapsed_ms = static_cast<std::int32_t>(now_ms - then_ms);
+  return elapsed_ms > 0 ? 1e-3F * static_cast<float>(elapsed_ms) : 0.0F;
 }
 
 /// The number of randomly placed returns whose mean would miss the cell's mean height by as much as the mean of `hits`
@@ -52,8 +70,13 @@ inline std::uint16_t random_support(std::uint16_t hits) {
   return static_cast<std::uint16_t>(std::min(n * std::sqrt(n) + 0.5F, 65535.0F));
 }
 
+/// Without what the frames' poses have wrong: of the cell's height against its neighbours'.
+inline float own_variance_m2(const MapCell& cell, float cell_m) {
+  return height_variance_m2(cell.noise_variance_m2, cell.place_variance_m2, cell.relief_m2, cell.hits, cell_m);
+}
+
 inline float height_variance_m2(const MapCell& cell, float cell_m) {
-  return height_variance_m2(cell.noise_variance_m2 + cell.shared_variance_m2, cell.relief_m2, cell.hits, cell_m);
+  return cell.shared_variance_m2 + own_variance_m2(cell, cell_m);
 }
 
 }  // namespace scree::mapping

@@ -1,11 +1,14 @@
 #include "mapping/mapper.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 
 #include "core/rolling_grid.hpp"
+#include "mapping/alignment.hpp"
 #include "mapping/cell_points.hpp"
+#include "mapping/frame_returns.hpp"
 #include "mapping/fusion.hpp"
 #include "mapping/layers.hpp"
 #include "mapping/snapshot_pool.hpp"
@@ -57,6 +60,9 @@ struct Mapper::State {
 
   std::optional<GroundHeight> measured_at(double x_m, double y_m) const;
   void follow(const Eigen::Vector3d& body_map_m);
+  PoseVariance pose_variance(const PoseVariance& told) const;
+  std::uint32_t clock_ms(Time time);
+  const PointFrame& gather(const PointFrame& frame);
 
   MapConfig config;
   Executor& executor;
@@ -64,12 +70,15 @@ struct Mapper::State {
   PointFrame points;
   RollingGrid<MapCell> map;
   CellPoints cell_points;
+  FrameReturns frame_returns;
+  Alignment alignment;
   Fusion fusion;
   Visibility visibility;
   Layers layers;
   GroundLookup known_ground;
   SnapshotPool pool;
   std::uint32_t revision = 0;
+  std::optional<Time> begin;  ///< of the clock of MapCell::fused_ms
   std::shared_ptr<const MapSnapshot> latest;
 };
 
@@ -91,6 +100,35 @@ void Mapper::State::follow(const Eigen::Vector3d& body_map_m) {
   const CellIndex now = map.window().min;
   map.roll_to({std::clamp(now.x, centred.x - kSlackCells, centred.x + kSlackCells),
                std::clamp(now.y, centred.y - kSlackCells, centred.y + kSlackCells)});
+}
+
+/// Zero where the source tells none and none was configured.
+PoseVariance Mapper::State::pose_variance(const PoseVariance& told) const {
+  const auto otherwise = [](const Eigen::Vector3d& given, const Eigen::Vector3d& sigma) {
+    return given.isZero(0.0) ? Eigen::Vector3d(sigma.cwiseAbs2()) : given;
+  };
+  const double xy_m = config.pose_sigma_xy_m;
+  return {otherwise(told.position_m2, {xy_m, xy_m, config.pose_sigma_z_m}),
+          otherwise(told.attitude_rad2, Eigen::Vector3d::Constant(config.pose_sigma_attitude_rad))};
+}
+
+/// The frame's returns by cell, where the frame lies on the map: at most one step beside where the last one did.
+/// Returns the frame placed there.
+const PointFrame& Mapper::State::gather(const PointFrame& frame) {
+  const PoseVariance pose = pose_variance(frame.pose_variance);
+  const PointFrame* placed = &frame;
+  for (int pass = 0; pass < 2; ++pass) {
+    if (config.align_frames) placed = &alignment.place(frame);
+    cell_points.sort(*placed, map.window(), config.cell_m, executor);
+    frame_returns.gather(*placed, pose, cell_points, map, ground_config(config), executor);
+    if (!config.align_frames || !alignment.fit(frame, config.cell_m, map, frame_returns)) break;
+  }
+  return *placed;
+}
+
+std::uint32_t Mapper::State::clock_ms(Time time) {
+  if (!begin) begin = time;
+  return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(time - *begin).count());
 }
 
 Mapper::Mapper(const MapConfig& config, Executor& executor) : state_(std::make_unique<State>(config, executor)) {}
@@ -119,10 +157,16 @@ Result<StepReport> Mapper::integrate(const PointFrame& points, StageClock& clock
   if (const Status ok = on_lattice(body_map_m, points.sequence, s.config.cell_m); !ok) return ok.error();
 
   s.follow(body_map_m);
-  s.cell_points.sort(points, s.map.window(), s.config.cell_m, s.executor);
-  const FusionCounts counts = s.fusion.fuse(s.cell_points, points.anchor_map_m.z(), s.executor, s.map);
+  const PointFrame& placed = s.gather(points);
+  AlignmentReport aligned;
+  if (s.config.align_frames) aligned = s.alignment.align(placed, s.config.cell_m, s.executor, s.map, s.frame_returns);
+  const std::uint32_t now_ms = s.clock_ms(points.time);
+  const FusionCounts counts = aligned.refused
+                                  ? Fusion::refuse(s.frame_returns)
+                                  : s.fusion.fuse(s.frame_returns, now_ms, GateLaw(s.latest.get()), s.executor, s.map);
   clock.lap(Stage::fuse);
-  s.visibility.update(points, s.cell_points, s.executor, s.map);
+  if (!aligned.refused) s.visibility.update(placed, s.cell_points, aligned.off, s.executor, s.map);
+  if (s.config.align_frames) s.alignment.carry(s.config.cell_m, s.map);
   clock.lap(Stage::look);
 
   s.latest.reset();  // with no reader left its buffers are the next snapshot's
@@ -133,7 +177,7 @@ Result<StepReport> Mapper::integrate(const PointFrame& points, StageClock& clock
   next->data_time = points.time;
   next->received = points.received;
   next->T_map_body = points.T_map_body;
-  s.layers.compute(s.map, s.executor, clock, *next);
+  s.layers.compute(s.map, now_ms, s.executor, clock, *next);
   s.latest = next;
 
   StepReport report;
@@ -143,6 +187,8 @@ Result<StepReport> Mapper::integrate(const PointFrame& points, StageClock& clock
   report.points_outlier = counts.outlier;
   report.points_other_surface = counts.other_surface;
   report.stages = clock.times();
+  report.points_unsupported = counts.unsupported;
+  report.alignment = aligned;
   return report;
 }
 

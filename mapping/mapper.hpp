@@ -8,6 +8,7 @@
 #include "core/result.hpp"
 #include "drivers/frame/point_frame.hpp"
 #include "drivers/frame/range_frame.hpp"
+#include "mapping/alignment_report.hpp"
 #include "mapping/cost.hpp"
 #include "mapping/snapshot.hpp"
 #include "mapping/stages.hpp"
@@ -24,8 +25,13 @@ struct MapConfig {
   double reconstruct_reach_m = 0.6;      ///< unmeasured cells farther than this from measured ones stay unknown
   double drop_margin_m = 0.2;            ///< possible_drop: rays passed this much below the expected ground
   double outlier_sigmas = 5.0;
-  int draws = 8;     ///< K ≥ 2 posterior draws behind standard deviation and risk
-  int headings = 8;  ///< sectors of half a turn that the risk is told for
+  int draws = 8;             ///< K ≥ 2 posterior draws behind standard deviation and risk
+  int headings = 8;          ///< sectors of half a turn that the risk is told for
+  bool align_frames = true;  ///< lay every frame onto the map, and the map after the pose
+  /// Of poses whose source tells no variance ("pose.sigma_*").
+  double pose_sigma_xy_m = 0.0;
+  double pose_sigma_z_m = 0.0;
+  double pose_sigma_attitude_rad = 0.0;
   std::uint64_t seed = 1;
   CostConfig cost;
   VehicleConfig vehicle;
@@ -36,9 +42,11 @@ struct StepReport {
   PixelCounts counts;
   std::uint64_t points_fused = 0;
   std::uint64_t points_outside = 0;        ///< outside the window, or not finite
-  std::uint64_t points_outlier = 0;        ///< contradicted the stored height
+  std::uint64_t points_outlier = 0;        ///< contradicted the stored height, the ground around, or the whole map
+  std::uint64_t points_unsupported = 0;    ///< among points_outlier: alone above or below the ground around
   std::uint64_t points_other_surface = 0;  ///< canopy, overhang, or the other side of an edge inside a cell
   StageTimes stages;                       ///< the one thing here that differs from run to run
+  AlignmentReport alignment;
 };
 
 class Mapper {

@@ -59,15 +59,14 @@ void Visibility::look_from(const PointFrame& frame, std::size_t row_begin, std::
   rays_.look(executor);
 }
 
-void Visibility::mark(const Eigen::Vector3d& origin_map_m, const CellPoints& points, Executor& executor,
-                      RollingGrid<MapCell>& map) {
+void Visibility::mark(const Eigen::Vector3d& origin_map_m, const CellPoints& points, const HeightPlane& off,
+                      Executor& executor, RollingGrid<MapCell>& map) {
   const LatticeWindow& window = map.window();
   const double cell_m = config_.cell_m;
   const auto pitch_m = static_cast<float>(cell_m);
   // Centre of cell (0, 0) relative to the sensor.
   const auto x0_m = static_cast<float>((window.min.x + 0.5) * cell_m - origin_map_m.x());
   const auto y0_m = static_cast<float>((window.min.y + 0.5) * cell_m - origin_map_m.y());
-  const auto sensor_z_m = static_cast<float>(origin_map_m.z());
   for_rows(executor, window.rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {
       const float y_m = y0_m + static_cast<float>(row) * pitch_m;
@@ -79,6 +78,8 @@ void Visibility::mark(const Eigen::Vector3d& origin_map_m, const CellPoints& poi
         if (!rays_.touched(bin)) continue;
         const RaySight& sight = rays_.sight(bin, rays_.ring_of(distance_m));
         MapCell& cell = map(row, column);
+        const auto sensor_z_m = static_cast<float>(
+            origin_map_m.z() - off.at((window.min.x + column + 0.5) * cell_m, (window.min.y + row + 0.5) * cell_m));
         cell.shadowed = cell.shadowed || sight.shadowed;
         if (sight.ceiling_slope == std::numeric_limits<float>::infinity()) continue;
         lower_ceiling(sight, distance_m, sensor_z_m, pitch_m, cell);
@@ -94,7 +95,7 @@ void Visibility::mark(const Eigen::Vector3d& origin_map_m, const CellPoints& poi
   });
 }
 
-void Visibility::update(const PointFrame& frame, const CellPoints& points, Executor& executor,
+void Visibility::update(const PointFrame& frame, const CellPoints& points, const HeightPlane& off, Executor& executor,
                         RollingGrid<MapCell>& map) {
   const LatticeWindow& window = map.window();
   passed_.assign(static_cast<std::size_t>(window.rows) * static_cast<std::size_t>(window.columns), 0);
@@ -103,7 +104,7 @@ void Visibility::update(const PointFrame& frame, const CellPoints& points, Execu
     if (frame.row_begin[end] > frame.row_begin[begin]) {
       look_from(frame, begin, end, executor);
       const Eigen::Vector3f& middle = frame.sensor_m[begin + (end - begin) / 2];
-      mark(frame.anchor_map_m + middle.cast<double>(), points, executor, map);
+      mark(frame.anchor_map_m + middle.cast<double>(), points, off, executor, map);
     }
     begin = end;
   }

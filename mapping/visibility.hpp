@@ -6,6 +6,7 @@
 #include "core/executor.hpp"
 #include "core/rolling_grid.hpp"
 #include "drivers/frame/point_frame.hpp"
+#include "mapping/alignment_report.hpp"
 #include "mapping/cell_points.hpp"
 #include "mapping/map_cell.hpp"
 #include "mapping/polar_rays.hpp"
@@ -29,12 +30,14 @@ inline constexpr int kFramesToForget = 5;
 class Visibility {
  public:
   explicit Visibility(const VisibilityConfig& config);
-  /// After the fusion of the same frame: `points` tells which cells it hit.
-  void update(const PointFrame& frame, const CellPoints& points, Executor& executor, RollingGrid<MapCell>& map);
+  /// After the fusion of the same frame: `points` tells which cells it hit. `off` is what alignment took off its
+  /// heights.
+  void update(const PointFrame& frame, const CellPoints& points, const HeightPlane& off, Executor& executor,
+              RollingGrid<MapCell>& map);
 
  private:
   void look_from(const PointFrame& frame, std::size_t row_begin, std::size_t row_end, Executor& executor);
-  void mark(const Eigen::Vector3d& origin_map_m, const CellPoints& points, Executor& executor,
+  void mark(const Eigen::Vector3d& origin_map_m, const CellPoints& points, const HeightPlane& off, Executor& executor,
             RollingGrid<MapCell>& map);
 
   VisibilityConfig config_;

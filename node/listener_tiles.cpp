@@ -32,6 +32,8 @@ Grid<float>* float_layer(mapping::MapSnapshot& map, Layer layer) {
       return &map.amplitude_m;
     case Layer::dimension_sigma:
       return &map.dimension_sigma;
+    case Layer::cell_age:
+      return &map.cell_age_s;
     default:
       return nullptr;
   }

@@ -62,6 +62,9 @@ std::vector<MapLayer> map_layers(const mapping::MapSnapshot& map) {
       {"step", "step / m", map.step_m, {ColourMap::viridis, 0.0, {}, false}},
       {"hits", "returns in the cell", known_hits(map), {ColourMap::viridis, 0.0, {}, false}},
   };
+  if (!map.cell_age_s.empty())
+    layers.push_back(
+        {"cell_age", "time since the last return / s", map.cell_age_s, {ColourMap::viridis, 0.0, {}, false}});
   if (!map.dimension_flags.empty())
     layers.push_back(
         {"dimension_flags", "flags of D (bits)", known_flags(map), {ColourMap::viridis, 0.0, 31.0, false}});

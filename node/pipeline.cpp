@@ -1,6 +1,7 @@
 #include "node/pipeline.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <spdlog/spdlog.h>
 #include <utility>
 
@@ -162,12 +163,23 @@ void Pipeline::map_frame(const RangeFrame& frame, MonotonicTime taken, const std
   statistics_.points_outside += report->points_outside;
   statistics_.points_outlier += report->points_outlier;
   statistics_.points_other_surface += report->points_other_surface;
+  statistics_.points_unsupported += report->points_unsupported;
+  count_alignment(report->alignment);
   statistics_.cells_measured = measured;
   const auto now = MonotonicClock::now();
   latency_.add(now - taken);
   statistics_.mapping = now - *first_taken_;
   map_ = std::move(snapshot);
   changed_.notify_all();
+}
+
+/// Under the lock.
+void Pipeline::count_alignment(const mapping::AlignmentReport& alignment) {
+  statistics_.pose_jumps += alignment.agreement == mapping::Agreement::jumped ? 1U : 0U;
+  statistics_.frames_refused += alignment.refused ? 1U : 0U;
+  statistics_.maps_forgotten += alignment.forgotten ? 1U : 0U;
+  registration_m2_ += alignment.height_m * alignment.height_m;
+  statistics_.registration_m = std::sqrt(registration_m2_ / static_cast<double>(statistics_.frames_mapped));
 }
 
 // ---- publish ----

@@ -66,6 +66,7 @@ class Pipeline {
   bool deliver(std::shared_ptr<const RangeFrame> frame, const std::stop_token& stop);
   Result<bool> restart_source();
   void map_frames(const std::stop_token& stop);
+  void count_alignment(const mapping::AlignmentReport& alignment);
   void map_frame(const RangeFrame& frame, MonotonicTime taken, const std::stop_token& stop);
   void publish(const std::stop_token& stop);
   bool poses_come_by_udp() const { return config_.settings.pose.source == config::PoseSource::udp; }
@@ -93,6 +94,7 @@ class Pipeline {
   mutable std::mutex mutex_;  ///< guards all below
   std::condition_variable_any changed_;
   Statistics statistics_;
+  double registration_m2_ = 0.0;  // sum of squares over the frames mapped
   LatencyHistogram latency_;
   std::optional<MonotonicTime> first_taken_;  ///< by the map stage
   std::shared_ptr<const mapping::MapSnapshot> map_;

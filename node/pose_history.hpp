@@ -6,8 +6,15 @@
 #include <vector>
 
 #include "drivers/frame/pose_track.hpp"
+#include "drivers/frame/range_frame.hpp"
 
 namespace scree::node {
+
+struct UncertainPose {
+  Time time;
+  Pose T_map_body;
+  PoseVariance variance;
+};
 
 /// A ring of the newest 4096 poses (20 s at 200 Hz), strictly increasing in time. No allocation once it is full.
 class PoseHistory {
@@ -19,17 +26,18 @@ class PoseHistory {
     begin_ = 0;
   }
   /// `pose.time` must be after newest()'s.
-  void add(const StampedPose& pose);
-  /// Linear in translation, slerp in rotation; nothing outside the history. O(log n).
-  std::optional<Pose> at(Time time) const;
-  std::optional<StampedPose> newest() const;
+  void add(const StampedPose& pose, const PoseVariance& variance = {});
+  /// Linear in translation and variance, slerp in rotation; nothing outside the history. O(log n). Between poses whose
+  /// errors are one and the same the variance is no larger than that.
+  std::optional<UncertainPose> at(Time time) const;
+  std::optional<UncertainPose> newest() const;
   std::size_t size() const { return poses_.size(); }
 
  private:
-  const StampedPose& entry(std::size_t i) const { return poses_[(begin_ + i) % kCapacity]; }
+  const UncertainPose& entry(std::size_t i) const { return poses_[(begin_ + i) % kCapacity]; }
 
-  std::vector<StampedPose> poses_;  ///< grows to kCapacity, then is a ring
-  std::size_t begin_ = 0;           ///< of the oldest
+  std::vector<UncertainPose> poses_;  ///< grows to kCapacity, then is a ring
+  std::size_t begin_ = 0;             ///< of the oldest
 };
 
 }  // namespace scree::node

@@ -9,6 +9,12 @@ using protocol::Reject;
 
 constexpr Duration kClockTolerance = std::chrono::seconds(1);
 
+PoseVariance variance_of(const protocol::PoseInputMessage& message) {
+  const auto& v = message.variances;
+  const auto wide = [](float x) { return static_cast<double>(x); };
+  return {{wide(v[0]), wide(v[1]), wide(v[2])}, {wide(v[3]), wide(v[4]), wide(v[5])}};
+}
+
 }  // namespace
 
 bool PoseReceiver::accept(std::span<const std::uint8_t> datagram, const Endpoint& from, Time now) {
@@ -30,7 +36,7 @@ bool PoseReceiver::accept(std::span<const std::uint8_t> datagram, const Endpoint
   // All of it was judged: a refused datagram leaves neither its boot_id nor its seq behind.
   if (restarted) begin_history(opened.header.boot_id);
   seq_ = opened.header.seq;
-  history_.add({message.time, message.T_map_body});
+  history_.add({message.time, message.T_map_body}, variance_of(message));
   ++counters_.accepted;
   return true;
 }

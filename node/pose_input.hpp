@@ -74,8 +74,8 @@ class PoseInput {
 
   std::uint16_t port() const { return socket_.local_port(); }
   /// Interpolated; nothing before the oldest kept pose or after the newest one. O(log n).
-  std::optional<Pose> at(Time time) const { return receiver_.history().at(time); }
-  std::optional<StampedPose> newest() const { return receiver_.history().newest(); }
+  std::optional<UncertainPose> at(Time time) const { return receiver_.history().at(time); }
+  std::optional<UncertainPose> newest() const { return receiver_.history().newest(); }
   const PoseInputCounters& counters() const { return receiver_.counters(); }
 
  private:

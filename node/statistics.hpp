@@ -21,6 +21,11 @@ struct Statistics {
   std::uint64_t points_outside = 0;
   std::uint64_t points_outlier = 0;
   std::uint64_t points_other_surface = 0;  ///< overhang and the like, see docs/mapping.md
+  std::uint64_t points_unsupported = 0;    ///< among points_outlier: alone above or below the ground around
+  std::uint64_t pose_jumps = 0;            ///< frames whose pose jumped in height or tilt: the map followed
+  std::uint64_t frames_refused = 0;        ///< mapped frames that contradicted the whole map and were not fused
+  std::uint64_t maps_forgotten = 0;        ///< because two of them came in a row
+  double registration_m = 0.0;             ///< rms height of the frames over the map before they were aligned
   std::uint64_t cells_measured = 0;        ///< in the last map
   Duration latency_p50{0};  ///< frame in to map out; replay: from the moment the map stage takes the frame
   Duration latency_p99{0};

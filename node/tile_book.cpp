@@ -3,6 +3,19 @@
 #include <algorithm>
 
 namespace scree::node {
+namespace {
+
+/// Ages of the same cells, not long after those that the unit holds.
+bool only_older(const TileUnit& unit, const QuantisedTile& now, Time data_time) {
+  if (unit.layer != protocol::Layer::cell_age) return false;
+  const Duration since = data_time - unit.taken;
+  if (since < Duration{0} || since >= kAgePeriod) return false;
+  return std::equal(now.raw.begin(), now.raw.end(), unit.content.raw.begin(), [](std::int16_t a, std::int16_t b) {
+    return (a == protocol::kUnknownU8) == (b == protocol::kUnknownU8);
+  });
+}
+
+}  // namespace
 
 void TileBook::update(const mapping::MapSnapshot& snapshot) {
   const TileWindow window = tiles_touched(snapshot.window);
@@ -21,8 +34,9 @@ void TileBook::refresh_unit(const mapping::MapSnapshot& snapshot, Units::iterato
                                 [](std::int16_t raw) { return raw != protocol::kUnknownU8; })
                         ? 1u
                         : 0u;
-  if (unit->filled && scratch_ == unit->content) return;
+  if (unit->filled && (scratch_ == unit->content || only_older(*unit, scratch_, snapshot.data_time))) return;
   unit->content = scratch_;
+  unit->taken = snapshot.data_time;
   unit->tile_rev = snapshot.revision;
   unit->changed = true;
   if (unit->filled && unit->pending) return;  // keeps its place

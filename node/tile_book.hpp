@@ -6,6 +6,7 @@
 #include <list>
 #include <vector>
 
+#include "core/time.hpp"
 #include "mapping/snapshot.hpp"
 #include "node/protocol_layers.hpp"
 #include "node/tile_quantise.hpp"
@@ -14,9 +15,13 @@
 namespace scree::node {
 
 /// The layers that are published, in the order of sending.
-inline constexpr std::array kPublishedLayers = {protocol::Layer::cost, protocol::Layer::elevation,
+inline constexpr std::array kPublishedLayers = {protocol::Layer::cost,       protocol::Layer::elevation,
                                                 protocol::Layer::cell_state, protocol::Layer::dimension,
-                                                protocol::Layer::amplitude};
+                                                protocol::Layer::amplitude,  protocol::Layer::cell_age};
+
+/// Ages grow in every map. A tile's are taken anew when other cells of it are known than before, or after this time on
+/// the clock of the data: about when they would be refreshed anyway.
+inline constexpr Duration kAgePeriod = std::chrono::seconds(1);
 
 /// One layer of one tile.
 struct TileUnit {
@@ -26,6 +31,7 @@ struct TileUnit {
   bool filled = false;         ///< has content
   bool pending = false;        ///< waits to be sent
   bool changed = false;        ///< differs from what was last sent
+  Time taken;                  ///< of the data of `content`
   QuantisedTile content;
 };
 

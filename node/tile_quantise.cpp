@@ -121,7 +121,8 @@ void gather(const mapping::MapSnapshot& snapshot, Layer layer, TileIndex tile,
     case Layer::dimension_sigma:
       return floats(snapshot.dimension_sigma);
     case Layer::cell_age:
-      break;
+      if (snapshot.cell_age_s.empty()) break;  // a received map without it
+      return floats(snapshot.cell_age_s);
   }
   std::fill(values.begin(), values.end(), kNaN);
 }

@@ -41,9 +41,10 @@ bool UdpPoses::provide(RangeFrame& frame, const std::stop_token& stop) {
   frame.T_map_body.resize(frame.row_time.size());
   for (std::size_t row = 0; row < frame.row_time.size(); ++row) {
     const Time time = frame.row_time[row] + to_node_clock;
-    const auto pose = time <= newest->time ? input_.at(time) : std::optional(newest->T_map_body);
+    const auto pose = time <= newest->time ? input_.at(time) : newest;
     if (!pose) return false;  // from before the first pose
-    frame.T_map_body[row] = *pose;
+    frame.T_map_body[row] = pose->T_map_body;
+    frame.pose_variance = pose->variance;
   }
   return true;
 }

@@ -180,6 +180,8 @@ Status PointConverter::convert(const RangeFrame& frame, const GroundLookup& grou
   out.time = frame.row_time.back();
   out.received = frame.received;
   out.T_map_body = frame.T_map_body.back();
+  out.pose_variance = frame.pose_variance;
+  out.angle_sigma_rad = static_cast<float>(frame.sensor->noise.angle_rad);
   write_points(w.tables, w.poses, w.state, w.range_m, executor, out);
   out.counts = w.count(assumed);
   return {};

@@ -41,14 +41,32 @@ struct PointFrame {
   Pose T_map_body;                                         ///< of the last row
   std::vector<float> x_m, y_m, z_m;
   std::vector<float> range_m;
-  std::vector<float> range_variance_m2;  ///< along the ray
-  std::vector<float> direction_z;  ///< z of the unit ray in the map frame: height variance = direction_z² · variance
+  std::vector<float> range_variance_m2;   ///< along the ray
+  std::vector<float> direction_z;         ///< z of the unit ray in the map frame; see place_variance
   std::vector<std::uint32_t> row_begin;   ///< rows + 1 offsets: points of row r are [row_begin[r], row_begin[r+1])
   std::vector<Eigen::Vector3f> sensor_m;  ///< rows: sensor origin per row, relative to the anchor
+  float angle_sigma_rad = 0.0F;           ///< of a ray's direction, about each of two axes
+  PoseVariance pose_variance;             ///< of the last row; shared by all points
   PixelCounts counts;
 
   std::size_t size() const { return x_m.size(); }
 };
+
+/// Variance of a point's place, of its own errors alone (those of the pose are shared by the frame).
+struct PlaceVariance {
+  float height_m2 = 0.0F;      ///< along the map's z
+  float horizontal_m2 = 0.0F;  ///< along one horizontal axis, the mean over all headings
+};
+
+/// The error along the ray has the standard deviation of the range; across it, on two axes, range · angle. Of the ray's
+/// own vertical plane the part direction_z² (along) and 1 − direction_z² (across) is height.
+inline PlaceVariance place_variance(float range_m, float range_variance_m2, float angle_sigma_rad, float direction_z) {
+  const float across_m = range_m * angle_sigma_rad;
+  const float across_m2 = across_m * across_m;
+  const float up = direction_z * direction_z;
+  return {up * range_variance_m2 + (1.0F - up) * across_m2,
+          0.5F * ((1.0F - up) * range_variance_m2 + (1.0F + up) * across_m2)};
+}
 
 /// What is already known of the ground, for the phase resolver. Map frame, metres. Nothing where nothing is measured.
 struct GroundHeight {

@@ -13,6 +13,12 @@
 
 namespace scree {
 
+/// How well a pose is known, as its source tells it; 0 = not stated.
+struct PoseVariance {
+  Eigen::Vector3d position_m2 = Eigen::Vector3d::Zero();    ///< of x, y, z
+  Eigen::Vector3d attitude_rad2 = Eigen::Vector3d::Zero();  ///< of small rotations about the map's x, y, z
+};
+
 struct RangeFrame {
   std::shared_ptr<const Projection> projection;
   std::shared_ptr<const SensorConfig> sensor;
@@ -22,6 +28,7 @@ struct RangeFrame {
   Grid<float> range_m;           ///< along the ray; NaN = no return; modulo projection->ambiguity_m
   std::vector<Time> row_time;    ///< one per row
   std::vector<Pose> T_map_body;  ///< one per row, interpolated to row_time
+  PoseVariance pose_variance;    ///< of the last row; an error that the whole frame shares
 };
 
 }  // namespace scree

@@ -17,6 +17,7 @@ struct RangeNoise {
   double sigma_m = 0.02;
   double sigma_per_m = 0.0;
   double sigma_per_m2 = 0.0;
+  double angle_rad = 0.0;  ///< standard deviation of a ray's direction about each of two axes; 0 = none told
 };
 
 /// Variance of a range along its ray, m²; `quantum_m` is the range of one count.

@@ -24,7 +24,8 @@ struct ReconstructionConfig {
 };
 
 struct Reconstruction {
-  Grid<float> mean_m;  ///< posterior mean, every cell
+  Grid<float> free_mean_m;  ///< the mean by the heights alone, without the ceilings; empty when none pushed
+  Grid<float> mean_m;       ///< posterior mean, every cell
   std::vector<Grid<float>>
       draws_m;  ///< K posterior draws: as rough as the law says, equal to the data within their noise
   /// Mean square of the K residual fields, K degrees of freedom: what SdMap makes a standard deviation from. Empty for

@@ -11,11 +11,7 @@
 
 #include "core/random.hpp"
 #include "fractal/surface.hpp"
-#include "mapping/cell_points.hpp"
-#include "mapping/fusion.hpp"
-#include "mapping/layers.hpp"
 #include "mapping/mapper.hpp"
-#include "mapping/visibility.hpp"
 
 namespace scree::mapping {
 namespace {
@@ -129,39 +125,6 @@ BENCHMARK(BM_Step)
     ->Args({64, 1024, 200})
     ->Args({64, 1024, 400})
     ->Unit(benchmark::kMillisecond);
-
-/// The stages on one converted frame; range(2): 0 convert, 1 sort and fuse, 2 visibility, 3 layers.
-void BM_Stage(benchmark::State& state) {
-  const RangeFrame frame = Scanner(static_cast<int>(state.range(0)), static_cast<int>(state.range(1))).frame(0);
-  SerialExecutor serial;
-  MapConfig config;
-  const auto cell_m = static_cast<float>(config.cell_m);
-  PointConverter converter;
-  PointFrame points;
-  RollingGrid<MapCell> map(config.size_cells, config.size_cells, {});
-  map.roll_to({-config.size_cells / 2, -config.size_cells / 2});
-  CellPoints cell_points;
-  Fusion fusion(GroundConfig{cell_m, 1.0F, 5.0F});
-  VisibilityConfig visibility_config;
-  Visibility visibility(visibility_config);
-  Layers layers(config);
-  StageClock clock;
-  MapSnapshot out;
-  out.window = map.window();
-  const auto run = [&](std::int64_t stage) {
-    if (stage == 0) static_cast<void>(static_cast<bool>(converter.convert(frame, {}, serial, points)));
-    if (stage == 1) {
-      cell_points.sort(points, map.window(), config.cell_m, serial);
-      fusion.fuse(cell_points, points.anchor_map_m.z(), serial, map);
-    }
-    if (stage == 2) visibility.update(points, cell_points, serial, map);
-    if (stage == 3) layers.compute(map, serial, clock, out);
-  };
-  for (int stage = 0; stage < 4; ++stage) run(stage);
-  for (auto _ : state) run(state.range(2));
-}
-BENCHMARK(BM_Stage)->ArgsProduct({{256}, {256}, {0, 1, 2, 3}})->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_Stage)->ArgsProduct({{480}, {640}, {0, 1, 2, 3}})->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace scree::mapping

@@ -52,10 +52,9 @@ TEST(GroundReturn, SlopingCellIsOneSurface) {
   EXPECT_EQ(seen.others, 0);
 }
 
-TEST(GroundReturn, NoiseThatAFrameSharesIsNotAveragedAway) {
+TEST(GroundReturn, RangeNoiseIsAveragedAway) {
   const GroundReturn many = returns_of(std::vector<float>(1000, 0.0F));
   EXPECT_NEAR(many.noise_variance_m2, 1e-7F, 1e-9F);
-  EXPECT_NEAR(many.shared_variance_m2, 0.25e-4F, 1e-8F);
   EXPECT_FLOAT_EQ(returns_of({0.0F}).noise_variance_m2, 1e-4F);
 }
 
@@ -126,10 +125,12 @@ TEST(Fusion, EveryPointIsCountedOnce) {
   RollingGrid<MapCell> map(20, 20, {});
   map.roll_to({-10, -10});
   CellPoints points;
+  FrameReturns returns;
   Fusion fusion(GroundConfig{});
   for (int pass = 0; pass < 3; ++pass) {
     points.sort(frame, map.window(), 0.1, serial);
-    const FusionCounts counts = fusion.fuse(points, 0.0, serial, map);
+    returns.gather(frame, {}, points, map, GroundConfig{}, serial);
+    const FusionCounts counts = fusion.fuse(returns, 0, GateLaw(), serial, map);
     EXPECT_EQ(counts.fused + counts.outlier + counts.other_surface + points.outside(), frame.size());
     EXPECT_GT(points.outside(), 3U);
     EXPECT_GT(counts.fused, 0U);

@@ -76,7 +76,8 @@ TEST(Mapper, FlatPlaneIsMeasuredFlat) {
   }
 }
 
-// Ground 1 : 5 along x: a cell's returns lie up to half a cell off its centre (0.01 m of height).
+// Ground 1 : 5 along x: a cell's returns lie up to half a cell off its centre (0.01 m of height), and by as much as
+// that moves the mean of a frame's innovations, some 2 mm, frames may be aligned.
 TEST(Mapper, TiltedPlaneHasItsSlope) {
   SerialExecutor serial;
   Mapper mapper(small_map(), serial);
@@ -89,7 +90,7 @@ TEST(Mapper, TiltedPlaneHasItsSlope) {
     for (int column = 0; column < map->state.columns(); ++column) {
       if (map->state(row, column) != CellState::measured) continue;
       const double x_m = (map->window.min.x + column + 0.5) * map->cell_m;
-      EXPECT_NEAR(static_cast<double>(map->elevation_m(row, column)), 0.2 * (x_m - 3.0), 0.0105);
+      EXPECT_NEAR(static_cast<double>(map->elevation_m(row, column)), 0.2 * (x_m - 3.0), 0.016);
       if (!std::isfinite(map->slope_rad(row, column))) continue;
       sum += static_cast<double>(map->slope_rad(row, column));
       ++cells;

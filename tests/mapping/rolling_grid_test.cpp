@@ -45,5 +45,34 @@ TEST(RollingGrid, EqualsAnUnboundedMapThatForgetsWhatLeft) {
   }
 }
 
+// Relabelled and rolled in turns: what was written is found where the labels say.
+TEST(RollingGrid, RelabelMovesTheContentsWithTheWindow) {
+  RollingGrid<int> grid(6, 9, -1);
+  grid.roll_to({-2, 3});
+  std::map<std::pair<int, int>, int> reference;
+  for (int step = 0; step < 200; ++step) {
+    const auto words = random_words(5, 6, step, 0);
+    const CellIndex by{static_cast<int>(words[0] % 3) - 1, static_cast<int>(words[1] % 3) - 1};
+    grid.relabel(by);
+    std::map<std::pair<int, int>, int> moved;
+    for (const auto& [place, value] : reference) moved[{place.first + by.x, place.second + by.y}] = value;
+    reference = moved;
+    const CellIndex min{grid.window().min.x + static_cast<int>(words[2] % 5) - 2,
+                        grid.window().min.y + static_cast<int>(words[3] % 5) - 2};
+    grid.roll_to(min);
+    std::erase_if(reference, [&](const auto& entry) {
+      return !grid.window().contains({entry.first.first, entry.first.second});
+    });
+    const CellIndex cell{min.x + step % 9, min.y + step % 6};
+    grid.at(cell) = step;
+    reference[{cell.x, cell.y}] = step;
+    for (int row = 0; row < 6; ++row)
+      for (int column = 0; column < 9; ++column) {
+        const auto known = reference.find({min.x + column, min.y + row});
+        ASSERT_EQ(grid(row, column), known == reference.end() ? -1 : known->second) << step;
+      }
+  }
+}
+
 }  // namespace
 }  // namespace scree

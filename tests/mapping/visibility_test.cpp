@@ -27,8 +27,9 @@ class Scene {
   }
   void look(const PointFrame& frame, Executor& executor) {
     points_.sort(frame, map_.window(), kCell_m, executor);
-    fusion_.fuse(points_, frame.anchor_map_m.z(), executor, map_);
-    visibility_.update(frame, points_, executor, map_);
+    returns_.gather(frame, {}, points_, map_, GroundConfig{}, executor);
+    fusion_.fuse(returns_, 0, GateLaw(), executor, map_);
+    visibility_.update(frame, points_, {}, executor, map_);
   }
   void look(const test::Height& ground, double azimuth_half = 0.5, int azimuths = 220, int elevations = 200) {
     SerialExecutor serial;
@@ -58,6 +59,7 @@ class Scene {
  private:
   RollingGrid<MapCell> map_;
   CellPoints points_;
+  FrameReturns returns_;
   Fusion fusion_{GroundConfig{}};
   Visibility visibility_;
 };

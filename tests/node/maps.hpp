@@ -28,7 +28,7 @@ inline std::shared_ptr<mapping::MapSnapshot> make_snapshot(std::uint32_t revisio
   map->state.assign(window.rows, window.columns, CellState::never_seen);
   map->hits.assign(window.rows, window.columns, 0);
   for (auto* grid : {&map->elevation_m, &map->elevation_sigma_m, &map->dimension, &map->dimension_sigma,
-                     &map->amplitude_m, &map->slope_rad, &map->step_m})
+                     &map->amplitude_m, &map->slope_rad, &map->step_m, &map->cell_age_s})
     grid->assign(window.rows, window.columns, kNaN);
   for (int r = 0; r < window.rows; ++r) {
     for (int c = 0; c < window.columns; ++c) {
@@ -40,6 +40,7 @@ inline std::shared_ptr<mapping::MapSnapshot> make_snapshot(std::uint32_t revisio
       map->elevation_m(r, c) =
           static_cast<float>(3.0 * std::sin(0.05 * x) + 2.0 * std::cos(0.03 * y) + 0.1 * to_uniform(words[2]));
       if (words[0] % 5 == 1) continue;
+      map->cell_age_s(r, c) = static_cast<float>(20.0 * to_uniform(words[1]));
       map->dimension(r, c) = static_cast<float>(2.0 + to_uniform(words[3]));
       map->amplitude_m(r, c) = static_cast<float>(0.3 * to_uniform(words[2] ^ words[3]));
     }

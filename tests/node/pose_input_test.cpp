@@ -46,13 +46,26 @@ TEST(PoseInput, InterpolatesBetweenPosesAndKnowsNothingOutside) {
   const PoseHistory& history = source.receiver.history();
   const auto middle = history.at(kStart + 1250ms);
   ASSERT_TRUE(middle);
-  EXPECT_DOUBLE_EQ(middle->translation_m.x(), 1.5);
-  EXPECT_NEAR(Eigen::AngleAxisd(middle->rotation).angle(), 0.125, 1e-12);
+  EXPECT_DOUBLE_EQ(middle->T_map_body.translation_m.x(), 1.5);
+  EXPECT_NEAR(Eigen::AngleAxisd(middle->T_map_body.rotation).angle(), 0.125, 1e-12);
   EXPECT_TRUE(history.at(kStart + 1s));
   EXPECT_TRUE(history.at(kStart + 2s));
   EXPECT_FALSE(history.at(kStart + 999ms));
   EXPECT_FALSE(history.at(kStart + 2001ms));
   EXPECT_EQ(history.newest()->time, kStart + 2s);
+}
+
+TEST(PoseInput, VariancesComeWithThePosesAndAreInterpolated) {
+  PoseSource source;
+  source.message.variances = {1.0f, 2.0f, 4.0f, 0.5f, 0.25f, 0.125f};
+  ASSERT_TRUE(source.send(1s));
+  source.message.variances = {3.0f, 2.0f, 8.0f, 0.5f, 0.75f, 0.125f};
+  ASSERT_TRUE(source.send(2s));
+  const auto middle = source.receiver.history().at(kStart + 1500ms);
+  ASSERT_TRUE(middle);
+  EXPECT_EQ(middle->variance.position_m2, Eigen::Vector3d(2.0, 2.0, 6.0));
+  EXPECT_EQ(middle->variance.attitude_rad2, Eigen::Vector3d(0.5, 0.5, 0.125));
+  EXPECT_EQ(source.receiver.history().newest()->variance.position_m2, Eigen::Vector3d(3.0, 2.0, 8.0));
 }
 
 TEST(PoseInput, KeepsTheNewestPosesOnly) {

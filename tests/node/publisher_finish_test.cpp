@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 using protocol::MessageType;
 using test::kWindow;
 
-// 240 blocks of at least 100 − 12 datagrams/s, which takes 2.7 s; sets of 5 manifests every 100 ms would leave 39.
+// 280 blocks of at least 100 − 12 datagrams/s, which takes 3.2 s; sets of 6 manifests every 100 ms would leave 29.
 TEST(PublisherFinish, SendsTheWholeMapAtTheLowestPacing) {
   const auto listener = test::open_listener();
   auto settings = test::settings_for(listener->port());
@@ -37,7 +37,7 @@ TEST(PublisherFinish, SendsTheWholeMapAtTheLowestPacing) {
   sender.join();
   EXPECT_TRUE(listener->ended());
   EXPECT_FALSE(lost_early) << "no heartbeat for a second";
-  EXPECT_EQ(publisher->counters().blocks, 240u);
+  EXPECT_EQ(publisher->counters().blocks, 280u);
   EXPECT_EQ(publisher->counters().blocks_refreshed, 0u);
   ASSERT_TRUE(listener->last_valid_map());
   EXPECT_EQ(test::differing_cells(*listener->last_valid_map(), *test::quantised(*map)), 0u);
@@ -89,7 +89,7 @@ TEST(PublisherFinish, WaitsForTheKernelAndSkipsNoBye) {
   EXPECT_TRUE(done) << done.error().message;
   shutdown(way.ours, SHUT_RDWR);
   reader.join();
-  EXPECT_EQ(tiles, 240);
+  EXPECT_EQ(tiles, 280);
   EXPECT_EQ(byes, 3);
   EXPECT_GT(way.publisher->counters().send_blocked, 0u);
 }
@@ -105,7 +105,7 @@ TEST(PublisherFinish, GivesUpWhenNothingMovesForTwoSecondsAndSaysWhatIsMissing) 
   EXPECT_THAT(
       done.error().message,
       ::testing::ContainsRegex("expected to send the last map and BYE, found that for 2 s nothing could be sent "
-                               "\\([0-9]+ of 240 blocks and [0-9]+ datagrams waiting\\)"));
+                               "\\([0-9]+ of 280 blocks and [0-9]+ datagrams waiting\\)"));
 }
 
 }  // namespace

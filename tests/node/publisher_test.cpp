@@ -154,8 +154,8 @@ TEST(PublisherToListener, RestartedNodeLeavesNoCellOfItsOldMap) {
 }
 
 // 30 % loss, independent, 8 s on the test's own clock. Tiles count from the first ANNOUNCE (one a second) that comes
-// through: not among the first five with probability 2e-3. From then on there are 15 cycles of 200 ms for 240 blocks:
-// one is still missing with probability 240 · 0.3^15 = 3e-6. The draws are seeded: it either fails always or never.
+// through: not among the first five with probability 2e-3. From then on there are 15 cycles of 200 ms for 280 blocks:
+// one is still missing with probability 280 · 0.3^15 = 4e-6. The draws are seeded: it either fails always or never.
 TEST(PublisherToListener, RandomLossIsRepairedByRefreshAndNoCellIsEverWrong) {
   Tap tap;
   const auto publisher = open_publisher(settings_for(tap.socket.local_port()));
@@ -226,13 +226,13 @@ TEST(Publisher, EveryBlockIsSentOncePerRefreshPeriodAndDatagramsAreNumbered) {
       place->second = now;
     });
   }
-  EXPECT_EQ(last_sent.size(), 8u * 5u * 6u);
+  EXPECT_EQ(last_sent.size(), 8u * 5u * 7u);
   EXPECT_LE(longest_gap, 510ms);
   EXPECT_NEAR(of_type[MessageType::heartbeat], 30, 1);
   EXPECT_NEAR(of_type[MessageType::announce], 3, 1);
-  EXPECT_NEAR(of_type[MessageType::manifest], 5 * 30, 10);
+  EXPECT_NEAR(of_type[MessageType::manifest], 6 * 30, 12);
   // first sending, then about six cycles: the refresh is spread, not doubled
-  EXPECT_NEAR(of_type[MessageType::tile], 240 + 6 * 240, 60);
+  EXPECT_NEAR(of_type[MessageType::tile], 280 + 6 * 280, 70);
 }
 
 TEST(Publisher, KeepsToItsPacing) {

@@ -142,6 +142,37 @@ TEST(TileBook, OnlyChangedLayersOfChangedTilesArePending) {
   EXPECT_EQ(book.tile_rev(1, 0), 1u);
 }
 
+// Ages that only grow are sent once a second, and at once where cells become known.
+TEST(TileBook, GrowingAgesMakeATileChangeOnceASecond) {
+  const LatticeWindow window{{0, 0}, 32, 32};
+  TileBook book;
+  const auto aged = [&](std::uint32_t revision, float seconds) {
+    auto map = test::make_snapshot(revision, window);
+    map->data_time = Time(std::chrono::seconds(100)) + from_seconds(static_cast<double>(seconds));
+    for (float& age : map->cell_age_s) age += seconds;
+    return map;
+  };
+  book.update(*aged(1, 0.0F));
+  drain(book);
+  for (std::uint32_t k = 1; k < 10; ++k) {
+    book.update(*aged(1 + k, 0.1F * static_cast<float>(k)));
+    EXPECT_FALSE(book.has_pending()) << k;
+  }
+  book.update(*aged(11, 1.0F));
+  ASSERT_TRUE(book.has_pending());
+  EXPECT_EQ(book.next_pending()->layer, Layer::cell_age);
+  EXPECT_EQ(book.next_pending()->tile_rev, 11u);
+  EXPECT_EQ(drain(book), 1u);
+  auto map = aged(12, 1.1F);
+  for (float& age : map->cell_age_s)
+    if (std::isnan(age)) {
+      age = 0.0F;  // a cell that is measured now
+      break;
+    }
+  book.update(*map);
+  EXPECT_EQ(drain(book), 1u);
+}
+
 TEST(TileBook, ChangeThatIsTakenBackBeforeItWasSentIsStillSent) {
   TileBook book;
   book.update(*test::make_snapshot(1, {{0, 0}, 32, 32}));
