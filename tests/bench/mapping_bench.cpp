@@ -8,6 +8,7 @@
 
 #include "core/random.hpp"
 #include "fractal/surface.hpp"
+#include "mapping/alignment.hpp"
 #include "mapping/cell_points.hpp"
 #include "mapping/fusion.hpp"
 #include "mapping/layers.hpp"
@@ -113,7 +114,8 @@ void BM_Step(benchmark::State& state) {
 }
 BENCHMARK(BM_Step)->Args({256, 256, 200})->Args({480, 640, 200})->Args({480, 640, 400})->Unit(benchmark::kMillisecond);
 
-/// The stages on one converted frame; range(2): 0 convert, 1 sort and fuse, 2 visibility, 3 layers.
+/// The stages on one converted frame; range(2): 0 convert, 1 sort and fuse, 2 visibility, 3 layers, 4
+/// fit the frame to the map.
 void BM_Stage(benchmark::State& state) {
   const RangeFrame frame = Scanner(static_cast<int>(state.range(0)), static_cast<int>(state.range(1))).frame(0);
   SerialExecutor serial;
@@ -124,7 +126,10 @@ void BM_Stage(benchmark::State& state) {
   RollingGrid<MapCell> map(config.size_cells, config.size_cells, {});
   map.roll_to({-config.size_cells / 2, -config.size_cells / 2});
   CellPoints cell_points;
-  Fusion fusion(GroundConfig{cell_m, 1.0F, 5.0F});
+  const GroundConfig ground{cell_m, 1.0F, 5.0F};
+  FrameReturns returns;
+  Alignment alignment;
+  Fusion fusion(ground);
   VisibilityConfig visibility_config;
   Visibility visibility(visibility_config);
   Layers layers(config);
@@ -134,16 +139,18 @@ void BM_Stage(benchmark::State& state) {
     if (stage == 0) static_cast<void>(static_cast<bool>(converter.convert(frame, {}, serial, points)));
     if (stage == 1) {
       cell_points.sort(points, map.window(), config.cell_m, serial);
-      fusion.fuse(cell_points, points.anchor_map_m.z(), serial, map);
+      returns.gather(points, {}, cell_points, map, ground, serial);
+      fusion.fuse(returns, 0, GateLaw(), serial, map);
     }
-    if (stage == 2) visibility.update(points, cell_points, serial, map);
-    if (stage == 3) layers.compute(map, serial, out);
+    if (stage == 2) visibility.update(points, cell_points, {}, serial, map);
+    if (stage == 3) layers.compute(map, 0, serial, out);
+    if (stage == 4) static_cast<void>(alignment.fit(points, config.cell_m, map, returns));
   };
-  for (int stage = 0; stage < 4; ++stage) run(stage);
+  for (const int stage : {0, 1, 2, 3, 1, 4}) run(stage);
   for (auto _ : state) run(state.range(2));
 }
-BENCHMARK(BM_Stage)->ArgsProduct({{256}, {256}, {0, 1, 2, 3}})->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_Stage)->ArgsProduct({{480}, {640}, {0, 1, 2, 3}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_Stage)->ArgsProduct({{256}, {256}, {0, 1, 2, 3, 4}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_Stage)->ArgsProduct({{480}, {640}, {0, 1, 2, 3, 4}})->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace scree::mapping
