@@ -39,6 +39,13 @@ VaryingAnswer by_draws(const VaryingScene& scene, const LawMap& law, std::uint64
   return answer;
 }
 
+Grid<float> mean_of(const VaryingScene& scene, const LawMap& law, double tolerance) {
+  SerialExecutor serial;
+  const SurfaceRequest request{{scene.side(), scene.side(), 1.0}, law, 0, 1, {}, {}};
+  return reconstruct_conditional(scene.samples, request, {.residual_fields = 1, .tolerance = tolerance}, serial)
+      ->mean_m;
+}
+
 VaryingAnswer by_one_operator(const VaryingScene& scene, std::uint64_t seed, int count) {
   const int side = scene.side();
   VaryingAnswer answer{Grid<float>(side, side), Grid<float>(side, side, 0.0F)};

@@ -69,6 +69,8 @@ constexpr double student_factor(int fields) {
 /// map that it makes of them.
 VaryingAnswer by_draws(const VaryingScene& scene, const fractal::LawMap& law, std::uint64_t seed, int fields,
                        bool map_of_sd);
+/// The mean alone, solved for up to `tolerance`.
+Grid<float> mean_of(const VaryingScene& scene, const fractal::LawMap& law, double tolerance);
 /// One operator for the middle D and unit amplitude, data weighted with the local amplitude, residuals of the true law:
 /// the cheap approximation that weights of each cell are measured against.
 VaryingAnswer by_one_operator(const VaryingScene& scene, std::uint64_t seed, int fields);
