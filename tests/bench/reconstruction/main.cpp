@@ -19,6 +19,7 @@ constexpr std::array kSections = {
     Section{"conditional", conditional_section},
     Section{"varying", varying_section},
     Section{"oracle", oracle_section},
+    Section{"holes", holes_section},
     Section{"calibration", calibration_section},
     Section{"speed", speed_section},
     Section{"large", large_section},
