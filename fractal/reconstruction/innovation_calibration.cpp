@@ -22,7 +22,7 @@ double mean_below(double limit) {
 /// Σg/Σg² of three boxes, each way alike.
 double effective_scale(int radius) {
   std::vector<double> kernel = {1.0};
-  const auto width = static_cast<std::size_t>(2 * radius + 1);
+  const std::size_t width = 2 * static_cast<std::size_t>(radius) + 1;
   for (int box = 0; box < 3; ++box) {
     std::vector<double> next(kernel.size() + width - 1, 0.0);
     for (std::size_t i = 0; i < kernel.size(); ++i)
