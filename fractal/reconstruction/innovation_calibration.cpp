@@ -22,7 +22,7 @@ double mean_below(double limit) {
 /// Σg/Σg² of three boxes, each way alike.
 double effective_scale(int radius) {
   std::vector<double> kernel = {1.0};
-  const auto width = static_cast<std::size_t>(2 * radius + 1);
+  const std::size_t width = 2 * static_cast<std::size_t>(radius) + 1;
   for (int box = 0; box < 3; ++box) {
     std::vector<double> next(kernel.size() + width - 1, 0.0);
     for (std::size_t i = 0; i < kernel.size(); ++i)
@@ -101,17 +101,17 @@ void InnovationCalibration::update(const LatticeWindow& window, const Grid<float
       hear_row(squared_ratio.row(r).data(), factor_.row(r).data(), rule, sum_.row(r).data(), count_.row(r).data(),
                sums_.row(r).data(), counts_.row(r).data(), window_.columns);
   };
-  for_rows(executor, window_.rows, hear);
+  executor.for_ranges(window_.rows, std::ref(hear));
   const auto smooth = [&](int first, int last) {
     for (int i = first; i < last; ++i) (i == 0 ? sums_ : counts_).smooth();
   };
-  for_rows(executor, 2, smooth);
+  executor.for_ranges(2, std::ref(smooth));
   const auto weigh = [&](int first, int last) {
     for (int r = first; r < last; ++r)
       weigh_row(sums_.smoothed(r).data(), counts_.smoothed(r).data(), static_cast<float>(config_.prior_cells), scale_,
                 share_, factor_.row(r).data(), window_.columns);
   };
-  for_rows(executor, window_.rows, weigh);
+  executor.for_ranges(window_.rows, std::ref(weigh));
 }
 
 }  // namespace scree::fractal

@@ -13,7 +13,7 @@ namespace scree::fractal {
 /// float lanes, rows are added in double and in order: the result does not depend on who added which row.
 class LogRegression {
  public:
-  static constexpr int kMaxTerms = 8;
+  static constexpr int kMaxTerms = 9;
   static constexpr int kMost = 256;  ///< observations added at once
   using Coefficients = std::array<double, kMaxTerms>;
 

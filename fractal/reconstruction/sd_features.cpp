@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kDensityReach = 0.6;  // sd of the smoothing over the spacing of the data
 constexpr int kMaxRadius = 64;
+constexpr float kMostChange = 4.0F;     // a law that jumps must not decide the fit alone
 constexpr double kLeastDensity = 0.05;  // of the mean: where the smoothing sees no datum at all
 
 SCREE_CLONES void log_of(const float* x, float factor, float lowest, float* out, int n) {
@@ -59,6 +60,16 @@ SCREE_CLONES void multiply(const float* __restrict a, const float* __restrict b,
   for (int i = 0; i < n; ++i) out[i] = a[i] * b[i];
 }
 
+/// Squares of differences across and along, each times its scale.
+SCREE_CLONES void change_row(const float* __restrict left, const float* __restrict right, float x_scale,
+                             const float* __restrict above, const float* __restrict below, float y_scale,
+                             float* __restrict out, int n) {
+  for (int i = 0; i < n; ++i) {
+    const float x = x_scale * (right[i] - left[i]), y = y_scale * (below[i] - above[i]), square = x * x + y * y;
+    out[i] = square < kMostChange ? square : kMostChange;
+  }
+}
+
 }  // namespace
 
 void SdFeatures::measure(const Grid<float>& variance_m2, Executor& executor) {
@@ -95,6 +106,46 @@ void SdFeatures::measure_density(Executor& executor) {
   for_rows(executor, rows, logs);
 }
 
+void SdFeatures::measure_law(const LawMap& law, double cell_m, Executor& executor) {
+  const int rows = measured_.rows(), columns = measured_.columns();
+  if (log_unit2_.rows() != rows || log_unit2_.columns() != columns)
+    for (Grid<float>* grid : {&log_unit2_, &change_}) grid->assign(rows, columns, 0.0F);
+  const auto log_cell = static_cast<float>(2.0 * std::log(cell_m));
+  const auto logs = [&](int begin, int end) {
+    for (int r = begin; r < end; ++r) {
+      float* unit2 = log_unit2_.row(r).data();
+      log_of(law.amplitude_m.row(r).data(), 1.0F, 1e-30F, unit2, columns);
+      const float* dimension = law.dimension.row(r).data();
+      for (int c = 0; c < columns; ++c) unit2[c] = 2.0F * unit2[c] + log_cell * (3.0F - dimension[c]);
+    }
+  };
+  executor.for_ranges(rows, std::ref(logs));
+  const auto changes = [&](int begin, int end) {
+    for (int r = begin; r < end; ++r) measure_change(r);
+  };
+  executor.for_ranges(rows, std::ref(changes));
+}
+
+void SdFeatures::measure_change(int row) {
+  const int rows = measured_.rows(), columns = measured_.columns();
+  const int half = std::clamp(static_cast<int>(std::lround(0.5 * spacing_cells_)), 1, kMaxRadius);
+  const auto spacing = static_cast<float>(spacing_cells_);
+  const int up = std::max(row - half, 0), down = std::min(row + half, rows - 1);
+  const float *here = log_unit2_.row(row).data(), *above = log_unit2_.row(up).data(),
+              *below = log_unit2_.row(down).data();
+  const float y_scale = spacing / static_cast<float>(std::max(down - up, 1));
+  float* change = change_.row(row).data();
+  const auto cells = [&](int begin, int end, int reach_left, int reach_right) {
+    const float x_scale = spacing / static_cast<float>(std::max(reach_left + reach_right, 1));
+    change_row(here + begin - reach_left, here + begin + reach_right, x_scale, above + begin, below + begin, y_scale,
+               change + begin, end - begin);
+  };
+  const int inner_end = std::max(columns - half, 0), inner = std::min(half, inner_end);
+  for (int c = 0; c < inner; ++c) cells(c, c + 1, c, std::min(half, columns - 1 - c));
+  cells(inner, inner_end, half, half);
+  for (int c = inner_end; c < columns; ++c) cells(c, c + 1, std::min(half, c), columns - 1 - c);
+}
+
 void SdFeatures::load(int row, int begin, const LawMap& law, double cell_m, Block& block) const {
   const int n = block.n = std::min(kBlock, measured_.columns() - begin);
   block.terms = terms(law);
@@ -107,13 +158,11 @@ void SdFeatures::load(int row, int begin, const LawMap& law, double cell_m, Bloc
     std::fill_n(block.log_unit2.data(), n, static_cast<float>(2.0 * std::log(law.law.rms_change_m(cell_m))));
     return;
   }
-  const auto log_cell = static_cast<float>(2.0 * std::log(cell_m));
   for (int i = 0; i < n; ++i) block.x[4][static_cast<std::size_t>(i)] = 3.0F - law.dimension(row, begin + i);
   multiply(block.x[4].data(), d, block.x[5].data(), n);
   multiply(block.x[4].data(), rho, block.x[6].data(), n);
-  log_of(law.amplitude_m.row(row).data() + begin, 1.0F, 1e-30F, block.log_unit2.data(), n);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
-    block.log_unit2[i] = 2.0F * block.log_unit2[i] + log_cell * block.x[4][i];
+  std::copy_n(change_.row(row).data() + begin, n, block.x[7].data());
+  std::copy_n(log_unit2_.row(row).data() + begin, n, block.log_unit2.data());
 }
 
 }  // namespace scree::fractal

@@ -144,6 +144,7 @@ void SdMap::estimate(const Grid<float>& mean_square_m2, int fields, const Grid<f
   sd_m.assign(rows, columns, std::numeric_limits<float>::quiet_NaN());
   features_.measure(variance_m2, executor);
   if (features_.measured_cells() < 1.0) return;
+  if (law.varies()) features_.measure_law(law, cell_m, executor);
   if (model_m2_.rows() != rows || model_m2_.columns() != columns) {
     model_m2_.assign(rows, columns, 0.0F);
     row_ratio_.assign(static_cast<std::size_t>(rows), 0.0);

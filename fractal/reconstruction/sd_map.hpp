@@ -15,7 +15,8 @@ namespace scree::fractal {
 /// The mean square of K residual fields is the posterior variance times χ²(K)/K: with K = 8 its root errs by 28 % cell
 /// by cell. But variances follow few rules: they grow with the distance d to the nearest datum and fall with the
 /// density ρ of data around. So log v is regressed on 1, log d, log² d, log ρ, log ρ·log d over all unmeasured cells
-/// (of a varying law log(v/σ²), σ the rms change over a cell, and also on H, H·log d, H·log ρ), scaled to the mean of
+/// (of a varying law log(v/σ²), σ the rms change over a cell, and also on H, H·log d, H·log ρ and |∇ ln σ²|² over a
+/// spacing: on the slope from smooth to rough ground the surroundings decide), scaled to the mean of
 /// the fields, and corrected by half (K = 8) of what the fields within two spacings of the data say beyond the model.
 /// A measured cell has the closed form 1/(1/R + 1/v'), R the variance of its datum and v' the model's variance without
 /// it: never above R. Errors of log sd: docs/reconstruction.md.

@@ -97,7 +97,8 @@ TEST(Alignment, GroundOutOfSightDoesNotSink) {
   const float settled = mapper.snapshot()->elevation_m(20, 20);
   EXPECT_NEAR(settled, before, 2e-3F);  // the tilt of one frame's noise over 2 m, until more frames outweigh it
   for (std::uint64_t i = 20; i < 40; ++i) ASSERT_TRUE(mapper.integrate(near(look(i, {}))));
-  EXPECT_FLOAT_EQ(mapper.snapshot()->elevation_m(20, 20), settled);
+  // not measured, so a draw: what the solver's tolerance leaves of it moves with what is measured elsewhere
+  EXPECT_NEAR(mapper.snapshot()->elevation_m(20, 20), settled, 1e-4F);
 }
 
 TEST(Alignment, AJumpInHeightIsCountedAndMakesNoWalls) {

@@ -72,8 +72,36 @@ TEST(SdMap, APowerOfTheDistanceComesBack) {
   }
 }
 
-// χ²(8)/8 in every cell on its own: log sd of a cell errs by .26, of the model by that over √(14000/8 coefficients),
-// .006, and of the smoothed ratio, half of it over the 4π·9² cells of two spacings, by .25·√(.25)/32 = .004. Bound 4
+// On the slope from smooth to rough ground the surroundings decide: v = σ²·d^(2H)·exp(0.3·g²), g the change of ln σ²
+// over a spacing. The ridge takes 20 of about 500 from the slope, hence 0.3·0.9·20/520/2 = .005 of the sd at the
+// steepest; not knowing of it would cost 0.3·0.9/2 = .13.
+TEST(SdMap, KnowsHowFastTheLawChanges) {
+  const int rows = 100, columns = 140;
+  const Grid<float> variance = scattered_variances(rows, columns, 0.05, 1e-4F);
+  LawMap law{{2.4, 0.2}, Grid<float>(rows, columns, 2.4F), Grid<float>(rows, columns)};
+  double measured = 0.0;
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < columns; ++c) {
+      law.amplitude_m(r, c) = static_cast<float>(0.1 * std::pow(5.0, 0.5 + 0.5 * std::erf((c - 70) / 8.8)));
+      measured += variance(r, c) > 0.0F ? 1.0 : 0.0;
+    }
+  const double spacing = std::sqrt(rows * columns / measured);
+  const int half = static_cast<int>(std::lround(0.5 * spacing));
+  Grid<float> v = power_law(variance, law);
+  for (int r = 0; r < rows; ++r)
+    for (int c = half; c < columns - half; ++c) {
+      const double slope = std::log(static_cast<double>(law.amplitude_m(r, c + half) / law.amplitude_m(r, c - half)));
+      v(r, c) *= static_cast<float>(std::exp(0.3 * std::pow(2.0 * slope * spacing / (2.0 * half), 2)));
+    }
+  const Grid<float> sd = estimate(v, 8, variance, law);
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    if (variance[i] > 0.0F) continue;
+    ASSERT_NEAR(sd[i] / std::sqrt(v[i]), 1.0, 0.008) << i;
+  }
+}
+
+// χ²(8)/8 in every cell on its own: log sd of a cell errs by .26, of the model by that over √(14000/9 coefficients),
+// .007, and of the smoothed ratio, half of it over the 4π·9² cells of two spacings, by .25·√(.25)/32 = .004. Bound 4
 // s.e. of their sum.
 TEST(SdMap, TakesOutTheNoiseOfTheFields) {
   const Grid<float> variance = scattered_variances(100, 140, 0.05, 1e-4F);

@@ -18,6 +18,9 @@ struct Section {
 constexpr std::array kSections = {
     Section{"conditional", conditional_section},
     Section{"varying", varying_section},
+    Section{"oracle", oracle_section},
+    Section{"holes", holes_section},
+    Section{"calibration", calibration_section},
     Section{"speed", speed_section},
     Section{"large", large_section},
     Section{"delaunay", delaunay_section},

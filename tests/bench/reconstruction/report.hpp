@@ -15,6 +15,9 @@ inline std::string pictures;
 
 void conditional_section();
 void varying_section();
+void oracle_section();
+void holes_section();
+void calibration_section();
 void large_section();
 void delaunay_section();
 void polyhedron_section();
