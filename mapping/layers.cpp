@@ -101,7 +101,7 @@ void Layers::judge_risk(const fractal::Reconstruction& filled, Executor& executo
                                         hits * ground_.noise_variance_m2(row, column), hits);
       }
   });
-  footprint_risk_.update(filled.draws_m, face_m2_, *closed_, executor, risk_);
+  footprint_risk_.update(filled.draws_m, {law_field_.relief_m2(), face_m2_}, *closed_, executor, risk_);
 }
 
 void Layers::shape_outputs(MapSnapshot& out) const {

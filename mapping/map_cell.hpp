@@ -34,8 +34,9 @@ inline constexpr float kSystematic_m = 0.002F;
 // Sub-cell relief, as a share of the cell's side, until the cell's own returns tell (counts like kReliefPriorHits).
 inline constexpr float kReliefPrior = 0.1F;
 inline constexpr float kReliefPriorHits = 2.0F;
-// Returns of one cell lie on few scan lines: beyond this many, their places are no longer independent.
-inline constexpr int kIndependentPlaces = 16;
+// Returns of one cell lie on few scan lines, and on what stands out of rough ground: beyond this many, more returns tell
+// no more of the cell's mean (docs/mapping.md).
+inline constexpr int kIndependentPlaces = 4;
 
 /// Variance of the mean of `hits` returns as an estimate of the cell's mean height: noise of the mean (its own and
 /// shared), the returns' misplacement on the slope (the mean of many such returns is the ground blurred over the width

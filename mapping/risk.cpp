@@ -32,9 +32,9 @@ FootprintRisk::FootprintRisk(const RiskConfig& config)
       reach_(reach_cells(footprints_)),
       disc_(disc(config.vehicle.wheel_radius_m / config.cell_m)) {}
 
-/// Differences to cells beyond the border count for nothing.
-void FootprintRisk::step_row(const Grid<float>& draw_m, const Grid<float>& relief_m2, int row,
-                             Grid<float>& step) const {
+/// Step load and tops of a row of one draw. Differences to cells beyond the border count for nothing.
+void FootprintRisk::prepare_row(const Grid<float>& draw_m, const InsideCells& inside, int row, Grid<float>& step,
+                                Grid<float>& tops_m) const {
   const int columns = draw_m.columns();
   float* best = step.row(row).data();
   std::fill_n(best, columns, 0.0F);
@@ -44,7 +44,11 @@ void FootprintRisk::step_row(const Grid<float>& draw_m, const Grid<float>& relie
     risk_rows::raise_difference(draw_m.row(row).data() + begin, draw_m.row(row + offset.y).data() + begin + offset.x,
                                 end - begin, best + begin);
   }
-  risk_rows::step_load(relief_m2.row(row).data(), static_cast<float>(1.0 / config_.vehicle.max_step_m), columns, best);
+  const auto scale = static_cast<float>(1.0 / config_.vehicle.max_step_m);
+  risk_rows::step_load(inside.relief_m2.row(row).data(), kStepRelief, inside.face_m2.row(row).data(), scale, columns,
+                       best);
+  risk_rows::add_peaks(draw_m.row(row).data(), inside.relief_m2.row(row).data(), kPeak, columns,
+                       tops_m.row(row).data());
 }
 
 void FootprintRisk::risk_block(const std::vector<Grid<float>>& draws_m, int row, int column, int count,
@@ -60,7 +64,7 @@ void FootprintRisk::risk_block(const std::vector<Grid<float>>& draws_m, int row,
   for (std::size_t h = 0; h < footprints_.size(); ++h) {
     sums.clear();
     for (std::size_t k = 0; k < draws_m.size(); ++k)
-      risk_rows::add_loads(footprints_[h], limits, draws_m[k], steps_[k], row, column, count, sums);
+      risk_rows::add_loads(footprints_[h], limits, {draws_m[k], tops_m_[k], steps_[k]}, row, column, count, sums);
     risk_rows::finish(sums, static_cast<int>(draws_m.size()), kModelError, count,
                       out.sector[h].row(row).data() + column, worst, tail);
   }
@@ -83,20 +87,22 @@ void FootprintRisk::risk_row(const std::vector<Grid<float>>& draws_m, const Grid
   }
 }
 
-void FootprintRisk::update(const std::vector<Grid<float>>& draws_m, const Grid<float>& relief_m2,
+void FootprintRisk::update(const std::vector<Grid<float>>& draws_m, const InsideCells& inside,
                            const Grid<std::uint8_t>& asked, Executor& executor, Risk& out) {
-  const int rows = relief_m2.rows(), columns = relief_m2.columns();
+  const int rows = asked.rows(), columns = asked.columns();
   out.sector.resize(footprints_.size());
   for (Grid<float>& grid : out.sector) grid.assign(rows, columns, kUnknown);
   for (Grid<float>* grid : {&out.worst, &out.tail}) grid->assign(rows, columns, kUnknown);
   if (rows <= 2 * reach_ || columns <= 2 * reach_) return;
-  steps_.resize(draws_m.size());
-  for (Grid<float>& step : steps_) step.reshape(rows, columns);
-  const auto steps = [&](int begin, int end) {
+  for (std::vector<Grid<float>>* grids : {&steps_, &tops_m_}) {
+    grids->resize(draws_m.size());
+    for (Grid<float>& grid : *grids) grid.reshape(rows, columns);
+  }
+  const auto prepare = [&](int begin, int end) {
     for (std::size_t k = 0; k < draws_m.size(); ++k)
-      for (int row = begin; row < end; ++row) step_row(draws_m[k], relief_m2, row, steps_[k]);
+      for (int row = begin; row < end; ++row) prepare_row(draws_m[k], inside, row, steps_[k], tops_m_[k]);
   };
-  for_rows(executor, rows, steps);
+  for_rows(executor, rows, prepare);
   const auto risks = [&](int begin, int end) {
     for (int row = begin; row < end; ++row) risk_row(draws_m, asked, row + reach_, out);
   };

@@ -84,24 +84,33 @@ SCREE_CLONES void raise_difference(const float* here, const float* there, int n,
   }
 }
 
-SCREE_CLONES void step_load(const float* relief_m2, float scale, int n, float* best) {
+SCREE_CLONES void step_load(const float* relief_m2, float share, const float* face_m2, float scale, int n,
+                            float* best) {
   for (int i = 0; i < n; ++i) {
-    const float square = best[i] * best[i] + relief_m2[i];
+    const float square = best[i] * best[i] + share * relief_m2[i] + face_m2[i];
     float log;  // a square root would call for errno and stay scalar
     fractal::fast_log<float, std::int32_t>(square + 1e-20F, log);
     best[i] = scale * fractal::fast_exp(0.5F * log);
   }
 }
 
-void add_loads(const Footprint& footprint, const Limits& limits, const Grid<float>& draw_m, const Grid<float>& step,
-               int row, int column, int n, Sums& sums) {
+SCREE_CLONES void add_peaks(const float* draw_m, const float* relief_m2, float factor, int n, float* tops_m) {
+  for (int i = 0; i < n; ++i) {
+    float log;
+    fractal::fast_log<float, std::int32_t>(relief_m2[i] + 1e-20F, log);
+    tops_m[i] = draw_m[i] + factor * fractal::fast_exp(0.5F * log);
+  }
+}
+
+void add_loads(const Footprint& footprint, const Limits& limits, const Surface& surface, int row, int column, int n,
+               Sums& sums) {
   const auto at = [&](const Grid<float>& grid, const Footprint::Part& part) {
     return grid.row(row + part.offset.y).data() + column + part.offset.x;
   };
   Wheels wheels{{}, {}, footprint.level, footprint.along, footprint.across};
   for (std::size_t w = 0; w < footprint.wheels.size(); ++w) {
-    wheels.z[w] = at(draw_m, footprint.wheels[w]);
-    wheels.step[w] = at(step, footprint.wheels[w]);
+    wheels.z[w] = at(surface.draw_m, footprint.wheels[w]);
+    wheels.step[w] = at(surface.step, footprint.wheels[w]);
   }
   Stand stand;
   stand_on(wheels, n, stand);
@@ -111,7 +120,7 @@ void add_loads(const Footprint& footprint, const Limits& limits, const Grid<floa
     Places places;
     for (std::size_t k = 0; k < kTogether; ++k) {  // the last place stands in for those that are missing
       const Footprint::Part& part = footprint.belly[std::min(first + k, footprint.belly.size() - 1)];
-      places.z[k] = at(draw_m, part);
+      places.z[k] = at(surface.tops_m, part);
       places.along_m[k] = part.along_m;
       places.across_m[k] = part.across_m;
     }

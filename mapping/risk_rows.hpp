@@ -25,11 +25,18 @@ struct Sums {
 
 /// best = max(best, |there − here|)
 void raise_difference(const float* here, const float* there, int n, float* best);
-/// best = √(best² + relief)·scale
-void step_load(const float* relief_m2, float scale, int n, float* best);
+/// best = √(best² + share·relief + face)·scale
+void step_load(const float* relief_m2, float share, const float* face_m2, float scale, int n, float* best);
+/// tops = draw + factor·√relief
+void add_peaks(const float* draw_m, const float* relief_m2, float factor, int n, float* tops_m);
+
+/// One draw: heights under wheels and belly, load of the step at each cell.
+struct Surface {
+  const Grid<float>&draw_m, &tops_m, &step;
+};
 /// The loads of one draw for the vehicle on cells (row, column) … (row, column + n − 1), n ≤ kBlock, into `sums`.
-void add_loads(const Footprint& footprint, const Limits& limits, const Grid<float>& draw_m, const Grid<float>& step,
-               int row, int column, int n, Sums& sums);
+void add_loads(const Footprint& footprint, const Limits& limits, const Surface& surface, int row, int column, int n,
+               Sums& sums);
 /// Of K = `draws` loads: the probability of one above 1, its maximum with `worst`, and of the mean of the two largest
 /// loads with `tail`.
 void finish(const Sums& sums, int draws, float model_error, int n, float* probability, float* worst, float* tail);

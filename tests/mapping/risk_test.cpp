@@ -27,7 +27,8 @@ Risk risk_of(const Draws& draws, RiskConfig config = {}) {
   SerialExecutor serial;
   FootprintRisk risk(config);
   Risk out;
-  risk.update(draws, Grid<float>(kSide, kSide, 0.0F), Grid<std::uint8_t>(kSide, kSide, 1), serial, out);
+  const Grid<float> none(kSide, kSide, 0.0F);
+  risk.update(draws, {none, none}, Grid<std::uint8_t>(kSide, kSide, 1), serial, out);
   return out;
 }
 
@@ -98,11 +99,11 @@ TEST(FootprintRisk, EqualsThePlainEvaluationOnRandomGround) {
     draws.push_back(grid);
   }
   RiskConfig config;
-  Grid<float> relief(kSide, kSide, 0.0009F);
+  const Grid<float> relief(kSide, kSide, 0.0001F), face(kSide, kSide, 0.0007F);
   SerialExecutor serial;
   FootprintRisk fast(config);
   Risk risk;
-  fast.update(draws, relief, Grid<std::uint8_t>(kSide, kSide, 1), serial, risk);
+  fast.update(draws, {relief, face}, Grid<std::uint8_t>(kSide, kSide, 1), serial, risk);
   const auto all = footprints(config.vehicle, kCell_m, config.headings);
   for (const CellIndex at : {CellIndex{20, 33}, CellIndex{5, 5}, CellIndex{41, 12}})
     for (std::size_t h = 0; h < all.size(); ++h) {
@@ -122,14 +123,17 @@ TEST(FootprintRisk, EqualsThePlainEvaluationOnRandomGround) {
             if (draw.contains(row, column))
               step = std::max(step, std::abs(static_cast<double>(draw(row, column)) - z(o)));
           }
-          load = std::max(load, std::sqrt(step * step + 0.0009) / config.vehicle.max_step_m);
+          load = std::max(load,
+                          std::sqrt(step * step + 0.0007 + static_cast<double>(FootprintRisk::kStepRelief) * 0.0001) /
+                              config.vehicle.max_step_m);
         }
         load = std::max({load, std::abs(along) / std::tan(config.vehicle.max_pitch_rad),
                          std::abs(across) / std::tan(config.vehicle.max_roll_rad)});
         for (const auto& part : all[h].belly)
-          load = std::max(load, (z(part.offset) - level - static_cast<double>(part.along_m) * along -
-                                 static_cast<double>(part.across_m) * across) /
-                                    config.vehicle.clearance_m);
+          load =
+              std::max(load, (z(part.offset) + static_cast<double>(FootprintRisk::kPeak) * 0.01 - level -
+                              static_cast<double>(part.along_m) * along - static_cast<double>(part.across_m) * across) /
+                                 config.vehicle.clearance_m);
         sum += load;
         square += load * load;
       }
@@ -156,7 +160,8 @@ TEST(FootprintRisk, CellsThatAreAskedForAloneAreJudgedAlike) {
   FootprintRisk some({});
   Risk risk;
   SerialExecutor serial;
-  some.update(draws, Grid<float>(kSide, kSide, 0.0F), asked, serial, risk);
+  const Grid<float> none(kSide, kSide, 0.0F);
+  some.update(draws, {none, none}, asked, serial, risk);
   for (int r = 5; r < kSide - 5; ++r)
     for (int c = 5; c < kSide - 5; ++c)
       if (asked(r, c) != 0) {
@@ -171,10 +176,10 @@ TEST(FootprintRisk, DoesNotDependOnTheExecutor) {
   Risk a, b;
   SerialExecutor serial;
   test::ReversedRanges reversed(7);
-  const Grid<float> relief(kSide, kSide, 0.0F);
+  const Grid<float> none(kSide, kSide, 0.0F);
   const Grid<std::uint8_t> asked(kSide, kSide, 1);
-  one.update(draws, relief, asked, serial, a);
-  two.update(draws, relief, asked, reversed, b);
+  one.update(draws, {none, none}, asked, serial, a);
+  two.update(draws, {none, none}, asked, reversed, b);
   for (int r = 5; r < kSide - 5; ++r)
     for (int c = 5; c < kSide - 5; ++c) {
       ASSERT_EQ(a.worst(r, c), b.worst(r, c));
