@@ -90,7 +90,9 @@ void LawField::write_row(int row) {
         std::clamp(of_cells.hurst, 3.0F - static_cast<float>(kDimensionMax), 3.0F - static_cast<float>(kDimensionMin));
     law_.dimension(row, column) = 3.0F - hurst;
     law_.amplitude_m(row, column) = of_cells.change * change_m * std::exp(-hurst * log_cell);
+    const float hidden = kHidden * (followed_dimension_(row, column) - 2.0F);
     relief_m2_(row, column) = of_cells.within * change_m * change_m;
+    hidden_m2_(row, column) = hidden * hidden * relief_m2_(row, column);
   }
 }
 
@@ -98,7 +100,7 @@ void LawField::update(const LatticeWindow& window, const RoughnessMap& roughness
                       Executor& executor) {
   if (window != window_) follow_window(window);
   if (relief_m2_.rows() != window.rows || relief_m2_.columns() != window.columns) {
-    for (Grid<float>* grid : {&law_.dimension, &law_.amplitude_m, &relief_m2_})
+    for (Grid<float>* grid : {&law_.dimension, &law_.amplitude_m, &relief_m2_, &hidden_m2_})
       grid->reshape(window.rows, window.columns);
     for (fractal::BoxCascade* box : {&weight_, &dimension_, &log_change_})
       box->resize(window.rows, window.columns, kRadius);

@@ -28,6 +28,11 @@ class LawField {
   const fractal::LawMap& law() const { return law_; }
   /// Variance of the ground's points within each cell by its law.
   const Grid<float>& relief_m2() const { return relief_m2_; }
+  /// Mean square of what a scanner does not see of a cell: it meets what stands out, and the mean of what it meets lies
+  /// above the cell's by up to the relief, the more the rougher the ground: (kHidden·(1 − H))² of the relief.
+  /// Measured: docs/mapping.md.
+  const Grid<float>& hidden_m2() const { return hidden_m2_; }
+  static constexpr float kHidden = 1.1F;
 
  private:
   fractal::FractalLaw of_cells(const fractal::FractalLaw& points) const;
@@ -41,7 +46,7 @@ class LawField {
   fractal::BoxCascade weight_, dimension_, log_change_;
   Grid<float> followed_dimension_, followed_log_change_;  ///< NaN = not yet
   fractal::LawMap law_;
-  Grid<float> relief_m2_;
+  Grid<float> relief_m2_, hidden_m2_;
 };
 
 }  // namespace scree::mapping

@@ -86,7 +86,7 @@ fractal::Reconstruction* Layers::reconstruct(const RollingGrid<MapCell>& map, Ex
   if (seen) law_ = law_ ? follow(*law_, *seen) : *seen;
   if (!law_) return nullptr;
   law_field_.update(window, *rough_, *law_, executor);
-  ground_.judge_variance(map, law_field_.relief_m2(), executor);
+  ground_.judge_variance(map, law_field_.relief_m2(), law_field_.hidden_m2(), executor);
   return elevation_.update(ground_, window, law_field_.law(), *closed_, executor);
 }
 

@@ -43,15 +43,19 @@ void LocalElevation::learn(const GroundLayers& ground, const LatticeWindow& wind
 }
 
 void LocalElevation::remember(const GroundLayers& ground, const LatticeWindow& window,
-                              const Grid<std::uint8_t>& predicted) {
+                              const Grid<std::uint8_t>& predicted, Executor& executor) {
   last_window_ = window;
   for (Grid<float>* grid : {&predicted_mean_m_, &predicted_variance_m2_})
     grid->assign(window.rows, window.columns, kUnknown);
-  for (std::size_t i = 0; i < predicted.size(); ++i) {
-    if (predicted[i] == 0 || ground.measured[i] != 0) continue;
-    predicted_mean_m_[i] = filled_.mean_m[i];
-    predicted_variance_m2_[i] = filled_.sd_m[i] * filled_.sd_m[i] / calibration_.factor()[i];
-  }
+  for_rows(executor, window.rows, [&](int begin, int end) {
+    for (int row = begin; row < end; ++row)
+      for (int column = 0; column < window.columns; ++column) {
+        if (predicted(row, column) == 0 || ground.measured(row, column) != 0) continue;
+        const float sd_m = filled_.sd_m(row, column);
+        predicted_mean_m_(row, column) = filled_.mean_m(row, column);
+        predicted_variance_m2_(row, column) = sd_m * sd_m / calibration_.factor()(row, column);
+      }
+  });
 }
 
 void LocalElevation::set_ceilings(const GroundLayers& ground, const Grid<std::uint8_t>& predicted, Executor& executor) {
@@ -78,7 +82,7 @@ fractal::Reconstruction* LocalElevation::update(const GroundLayers& ground, cons
   calibrate(law);
   set_ceilings(ground, predicted, executor);
   reconstructor_.reconstruct(ground.height_m, ground.variance_m2, ceiling_m_, window, law_, executor, filled_);
-  remember(ground, window, predicted);
+  remember(ground, window, predicted, executor);
   return &filled_;
 }
 

@@ -35,7 +35,8 @@ class LocalElevation {
  private:
   void learn(const GroundLayers& ground, const LatticeWindow& window, Executor& executor);
   void calibrate(const fractal::LawMap& law);
-  void remember(const GroundLayers& ground, const LatticeWindow& window, const Grid<std::uint8_t>& predicted);
+  void remember(const GroundLayers& ground, const LatticeWindow& window, const Grid<std::uint8_t>& predicted,
+                Executor& executor);
   void set_ceilings(const GroundLayers& ground, const Grid<std::uint8_t>& predicted, Executor& executor);
 
   LocalElevationConfig config_;

@@ -21,16 +21,23 @@ struct Wheels {
   std::array<float, Footprint::kWheels> level, along, across;
 };
 
+SCREE_INLINE float weighed(const std::array<float, Footprint::kWheels>& weights, float a, float b, float c, float d) {
+  return (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
+}
+
+// Pointers of its own for every row: through the structs the compiler sees aliases and leaves the loop scalar.
 SCREE_CLONES void stand_on(const Wheels& w, int n, Stand& out) {
+  const float* __restrict z0 = w.z[0], * __restrict z1 = w.z[1], * __restrict z2 = w.z[2], * __restrict z3 = w.z[3];
+  const float* __restrict s0 = w.step[0], * __restrict s1 = w.step[1], * __restrict s2 = w.step[2], * __restrict s3 = w.step[3];
+  float *__restrict level = out.level.data(), *__restrict along = out.along.data(),
+        *__restrict across = out.across.data(), *__restrict step = out.step.data();
+  const auto by_level = w.level, by_along = w.along, by_across = w.across;
   for (int i = 0; i < n; ++i) {
-    const float a = w.z[0][i], b = w.z[1][i], c = w.z[2][i], d = w.z[3][i];
-    const auto cell = static_cast<std::size_t>(i);
-    out.level[cell] = (w.level[0] * a + w.level[1] * b) + (w.level[2] * c + w.level[3] * d);
-    out.along[cell] = (w.along[0] * a + w.along[1] * b) + (w.along[2] * c + w.along[3] * d);
-    out.across[cell] = (w.across[0] * a + w.across[1] * b) + (w.across[2] * c + w.across[3] * d);
-    const float front = w.step[0][i] > w.step[1][i] ? w.step[0][i] : w.step[1][i];
-    const float rear = w.step[2][i] > w.step[3][i] ? w.step[2][i] : w.step[3][i];
-    out.step[cell] = front > rear ? front : rear;
+    level[i] = weighed(by_level, z0[i], z1[i], z2[i], z3[i]);
+    along[i] = weighed(by_along, z0[i], z1[i], z2[i], z3[i]);
+    across[i] = weighed(by_across, z0[i], z1[i], z2[i], z3[i]);
+    const float front = s0[i] > s1[i] ? s0[i] : s1[i], rear = s2[i] > s3[i] ? s2[i] : s3[i];
+    step[i] = front > rear ? front : rear;
   }
 }
 
@@ -41,18 +48,16 @@ struct Places {
   std::array<float, kTogether> along_m, across_m;
 };
 
-SCREE_INLINE float above(const Places& p, std::size_t k, int i, float level, float along, float across) {
-  return p.z[k][i] - (level + p.along_m[k] * along + p.across_m[k] * across);
-}
-
 /// What stands above the plane at the places.
 SCREE_CLONES void raise_belly(const Places& p, const Stand& stand, int n, float* __restrict best) {
+  const float* __restrict z0 = p.z[0], * __restrict z1 = p.z[1], * __restrict z2 = p.z[2], * __restrict z3 = p.z[3];
+  const float *__restrict level = stand.level.data(), *__restrict along = stand.along.data(),
+              *__restrict across = stand.across.data();
+  const auto x = p.along_m, y = p.across_m;
   for (int i = 0; i < n; ++i) {
-    const auto cell = static_cast<std::size_t>(i);
-    const float level = stand.level[cell], along = stand.along[cell], across = stand.across[cell];
-    const float a = above(p, 0, i, level, along, across), b = above(p, 1, i, level, along, across);
-    const float c = above(p, 2, i, level, along, across), d = above(p, 3, i, level, along, across);
-    const float ab = a > b ? a : b, cd = c > d ? c : d, most = ab > cd ? ab : cd;
+    const float a = z0[i] - (x[0] * along[i] + y[0] * across[i]), b = z1[i] - (x[1] * along[i] + y[1] * across[i]);
+    const float c = z2[i] - (x[2] * along[i] + y[2] * across[i]), d = z3[i] - (x[3] * along[i] + y[3] * across[i]);
+    const float ab = a > b ? a : b, cd = c > d ? c : d, most = (ab > cd ? ab : cd) - level[i];
     best[i] = most > best[i] ? most : best[i];
   }
 }

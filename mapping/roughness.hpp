@@ -1,6 +1,7 @@
 #pragma once
 // D of every cell from two sizes of windows.
 
+#include <algorithm>
 #include <cstdint>
 
 #include "core/executor.hpp"
@@ -40,14 +41,18 @@ class Roughness {
 
  private:
   bool small_is_certain(int row, int column) const;
-  void ask_large_row(const Grid<std::uint8_t>& wanted, int row);
+  void ask_row(const Grid<std::uint8_t>& wanted, int row);
+  void ask_large_row(int row);
+  int of_block(int index, std::int32_t min) const { return std::max(0, index - static_cast<int>((min + index) & 1)); }
   void choose_row(const Grid<std::uint8_t>& wanted, int row);
 
   RoughnessConfig config_;
   fractal::DimensionMapper small_, large_;
   const fractal::DimensionMap *small_map_ = nullptr, *large_map_ = nullptr;
   unsigned turn_ = 0;
-  Grid<std::uint8_t> asked_;  ///< of the large windows
+  LatticeWindow window_;
+  Grid<std::uint8_t> asked_;        ///< cells that stand for their blocks
+  Grid<std::uint8_t> asked_large_;  ///< those whose small window does not suffice
   RoughnessMap map_;
 };
 

@@ -3,10 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/simd.hpp"
+
 namespace scree::fractal {
 namespace {
 
 constexpr int kRadius = 2;  // of the smoothing: three boxes of five cells
+
+SCREE_CLONES void add_products(const float* __restrict residual, const float* __restrict delta, int n,
+                               float* __restrict sum_delta, float* __restrict sum_delta2, float* __restrict square,
+                               float* __restrict sum_pushed, float* __restrict sum_pushed2) {
+  for (int i = 0; i < n; ++i) {
+    const float r = residual[i], d = delta[i], pushed = r + d;
+    sum_delta[i] += d;
+    sum_delta2[i] += d * d;
+    square[i] += r * r;
+    sum_pushed[i] += pushed;
+    sum_pushed2[i] += pushed * pushed;
+  }
+}
 
 }  // namespace
 
@@ -21,6 +36,11 @@ void CeilingSums::add(int row, int column, float residual_m, float delta_m) {
   square_(row, column) += residual_m * residual_m;
   pushed_(row, column) += pushed;
   pushed2_(row, column) += pushed * pushed;
+}
+
+void CeilingSums::add_row(int row, const float* residual_m, const float* delta_m) {
+  add_products(residual_m, delta_m, delta_.columns(), delta_.row(row).data(), delta2_.row(row).data(),
+               square_.row(row).data(), pushed_.row(row).data(), pushed2_.row(row).data());
 }
 
 void CeilingSums::move_mean(int fields, Grid<float>& mean_m) const {

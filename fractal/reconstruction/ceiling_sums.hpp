@@ -14,6 +14,7 @@ class CeilingSums {
  public:
   void resize(int rows, int columns);
   void add(int row, int column, float residual_m, float delta_m);
+  void add_row(int row, const float* residual_m, const float* delta_m);
   /// Cells of finite height_m, the measured ones, keep their sd. K ≥ 1 calls of add() for each cell before. No
   /// allocation when the shape stays.
   void finish(int fields, const Grid<float>& height_m, Grid<float>& mean_m, Grid<float>& sd_m);

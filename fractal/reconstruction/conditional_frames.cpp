@@ -119,9 +119,9 @@ void ConditionalReconstructor::Solver::run(const FrameData& data, const LawMap& 
     };
     for_rows(executor, fields(), all_pushes);
   }
-  write(out);
+  write(executor, out);
   if (config.standard_deviation) write_sd(data, law, executor, out);
-  if (!data.ceiling_m.empty()) write_pushes(data, out);
+  if (!data.ceiling_m.empty()) write_pushes(data, executor, out);
 }
 
 void ConditionalReconstructor::Solver::write_sd(const FrameData& data, const LawMap& law, Executor& executor,

@@ -57,9 +57,10 @@ struct ConditionalReconstructor::Solver {
 
   void set_ceilings(const FrameData& data, const LawMap& law);
   void push(int k);
-  void write(Reconstruction& out) const;
+  void write_row(int r, Reconstruction& out) const;
+  void write(Executor& executor, Reconstruction& out) const;
   void write_sd(const FrameData& data, const LawMap& law, Executor& executor, Reconstruction& out);
-  void write_pushes(const FrameData& data, Reconstruction& out);
+  void write_pushes(const FrameData& data, Executor& executor, Reconstruction& out);
 };
 
 }  // namespace scree::fractal

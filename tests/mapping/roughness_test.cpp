@@ -37,8 +37,8 @@ TEST(Roughness, ReportsTheSmallWindowWhereItIsCertainEnough) {
     const auto& expected = target > 0.0 ? roughness.small() : roughness.large();
     for (int r = 20; r < 60; ++r)
       for (int c = 20; c < 60; ++c) {
-        ASSERT_EQ(map.dimension(r, c), expected.dimension(r, c));
-        ASSERT_EQ(map.amplitude_m(r, c), expected.amplitude_m(r, c));
+        ASSERT_EQ(map.dimension(r, c), expected.dimension(r & ~1, c & ~1));  // its block's
+        ASSERT_EQ(map.amplitude_m(r, c), expected.amplitude_m(r & ~1, c & ~1));
         ASSERT_EQ(map.radius_cells(r, c), target > 0.0 ? config.small_radius_cells : config.large_radius_cells);
       }
   }

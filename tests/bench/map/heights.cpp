@@ -20,7 +20,8 @@ struct Kind {
 
 std::vector<Kind> kinds() {
   std::vector<Kind> out = {
-      {"measured", [](const HeightScores& h) { return h.measured; }, {}},
+      {"measured", [](const HeightScores& h) { return h.measured; },
+       [](const HeightScores& h) { return h.measured_bias; }},
       {"measured, within 0.3 m of rocks and ditch", [](const HeightScores& h) { return h.measured_objects; }, {}}};
   for (const bool open : {true, false})
     for (std::size_t d = 0; d < kDistances; ++d)
@@ -66,13 +67,15 @@ std::string by_dimension(const PredictionScore& s) {
 
 void dimension_table(const SensorResults& r) {
   print_text(
-      "\n| D | measured: rmse (mm), coverage | reconstructed, open sight | reconstructed, shadow |\n|---|---|---|---|");
+      "\n| D | measured: rmse (mm), coverage | measured: bias (mm) | reconstructed, open sight | reconstructed, shadow "
+      "|\n|---|---|---|---|---|");
   for (const double d : kDimensions) {
     const Scenes scenes = scenes_of(r.scenes, d);
     if (scenes.empty()) continue;
     const HeightScores h = total(scenes, &Judgement::heights);
-    print_text(fmt::format("| {:.1f} | {} | {} | {} |", d, by_dimension(h.measured), by_dimension(open_sum(h)),
-                           by_dimension(shadow_sum(h))));
+    print_text(fmt::format("| {:.1f} | {} | {} | {} | {} |", d, by_dimension(h.measured),
+                           with_sign(1e3 * h.measured_bias / std::max(h.measured.cells, 1.0), 1),
+                           by_dimension(open_sum(h)), by_dimension(shadow_sum(h))));
   }
 }
 

@@ -33,7 +33,16 @@ double milliseconds(const auto& call) {
 enum Work : std::uint8_t { kWelford, kOneThread, kTwoThreads, kWide };
 constexpr std::array<const char*, 4> kWorkNames = {"plain Welford (convert, mean, M2)", "whole step, 1 thread",
                                                    "whole step, 2 threads", "whole step, 400² cells, 1 thread"};
-using Times = std::array<std::vector<double>, kWorkNames.size()>;
+using Stages = std::array<std::vector<double>, mapping::kStages>;
+struct Times {
+  std::array<std::vector<double>, kWorkNames.size()> work;
+  Stages one, two;
+};
+
+void note(const mapping::StageTimes& times, Stages& stages) {
+  for (std::size_t s = 0; s < mapping::kStages; ++s)
+    stages[s].push_back(std::chrono::duration<double, std::milli>(times.of[s]).count());
+}
 
 Times time_frames(const char* sensor) {
   EndlessDrive drive(sensor);
@@ -47,18 +56,39 @@ Times time_frames(const char* sensor) {
   Times times;
   for (int i = 0; i < kWarmUp + (quick ? 12 : kTimed); ++i) {
     const RangeFrame frame = drive.next();
-    const auto step = [&frame](mapping::Mapper& mapper) {
+    Stages untimed;
+    const auto step = [&](mapping::Mapper& mapper, Stages& stages) {
       return milliseconds([&] {
-        must(mapper.step(frame));
+        const mapping::StepReport report = must(mapper.step(frame));
         static_cast<void>(mapper.snapshot());
+        if (i >= kWarmUp) note(report.stages, stages);
       });
     };
-    const std::array<double, kWorkNames.size()> ms = {milliseconds([&] { plain.add(frame); }), step(one), step(two),
-                                                      step(wide)};
+    const std::array<double, kWorkNames.size()> ms = {milliseconds([&] { plain.add(frame); }), step(one, times.one),
+                                                      step(two, times.two), step(wide, untimed)};
     if (i >= kWarmUp)
-      for (std::size_t w = 0; w < ms.size(); ++w) times[w].push_back(ms[w]);
+      for (std::size_t w = 0; w < ms.size(); ++w) times.work[w].push_back(ms[w]);
   }
   return times;
+}
+
+/// Medians of stages do not quite add up to those of steps.
+void stage_table(const Times& times, double welford_ms) {
+  print_text("\n| stage | 1 thread (ms) | ratio to Welford | 2 threads (ms) |\n|---|---|---|---|");
+  std::array<double, mapping::kStages> ms{};
+  for (std::size_t s = 0; s < mapping::kStages; ++s) {
+    ms[s] = quantile(times.one[s], 0.5);
+    print_text(fmt::format("| {} | {:.2f} | {:.2f} | {:.2f} |", mapping::kStageNames[s], ms[s], ms[s] / welford_ms,
+                           quantile(times.two[s], 0.5)));
+  }
+  const auto of = [&](mapping::Stage stage) { return ms[static_cast<std::size_t>(stage)]; };
+  using mapping::Stage;
+  const double first = of(Stage::fuse) + of(Stage::look) + of(Stage::shape);
+  const double second = first + of(Stage::roughness) + of(Stage::elevation);
+  print_text(fmt::format(
+      "\nOn one core: fusion, states, slope and step within 4 ms ({:.2f}): {}; with D, mean, sd and ceilings "
+      "within 25 ms ({:.2f}): {}.",
+      first, at_most(first, 4.0), second, at_most(second, 25.0)));
 }
 
 }  // namespace
@@ -76,15 +106,17 @@ of medians, to the plain Welford fusion of the same frames.)",
         fmt::format("\n### {} ({})\n\n| work | median (ms) | p99 (ms) | ratio |\n|---|---|---|---|", pixels, sensor));
     const Times times = time_frames(sensor);
     std::array<double, kWorkNames.size()> medians{};
-    for (std::size_t w = 0; w < times.size(); ++w) {
-      medians[w] = quantile(times[w], 0.5);
-      print_text(fmt::format("| {} | {:.2f} | {:.2f} | {:.1f} |", kWorkNames[w], medians[w], quantile(times[w], 0.99),
-                             medians[w] / medians[kWelford]));
+    for (std::size_t w = 0; w < times.work.size(); ++w) {
+      medians[w] = quantile(times.work[w], 0.5);
+      print_text(fmt::format("| {} | {:.2f} | {:.2f} | {:.1f} |", kWorkNames[w], medians[w],
+                             quantile(times.work[w], 0.99), medians[w] / medians[kWelford]));
     }
+    stage_table(times, medians[kWelford]);
     print_text(fmt::format(
         "\nEverything within 50 ms on two cores: {}; p99 within twice the median: {}; two cores 1.6 times as "
         "fast as one ({:.2f}): {}; 400² cells within 4.5 times 200² ({:.2f}): {}.",
-        at_most(medians[kTwoThreads], 50.0), at_most(quantile(times[kTwoThreads], 0.99), 2.0 * medians[kTwoThreads]),
+        at_most(medians[kTwoThreads], 50.0),
+        at_most(quantile(times.work[kTwoThreads], 0.99), 2.0 * medians[kTwoThreads]),
         medians[kOneThread] / medians[kTwoThreads], at_least(medians[kOneThread] / medians[kTwoThreads], 1.6),
         medians[kWide] / medians[kOneThread], at_most(medians[kWide] / medians[kOneThread], 4.5)));
   }

@@ -77,6 +77,7 @@ class Judge {
     HeightScores& h = out_.heights;
     const bool by_object = object_m(p) <= kObject_m;
     if (state == CellState::measured) (by_object ? h.measured_objects : h.measured).add(error, sd);
+    if (state == CellState::measured && !by_object) h.measured_bias += error;
     if (state != CellState::reconstructed) return;
     if (by_object) return h.reconstructed_objects.add(error, sd);
     const auto distance = static_cast<double>(measured_distance_(p.row, p.column));
@@ -188,6 +189,7 @@ Judgement judge(const JudgeInputs& in) {
 
 HeightScores& HeightScores::operator+=(const HeightScores& other) {
   measured += other.measured, measured_objects += other.measured_objects;
+  measured_bias += other.measured_bias;
   reconstructed_objects += other.reconstructed_objects;
   for (std::size_t i = 0; i < open.size(); ++i) {
     open[i] += other.open[i], shadow[i] += other.shadow[i];

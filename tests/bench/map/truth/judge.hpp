@@ -31,6 +31,7 @@ struct HeightScores {
   fractal::PredictionScore measured, measured_objects;
   std::array<fractal::PredictionScore, kDistances> open, shadow;  ///< reconstructed, see Sight
   std::array<double, kDistances> open_bias{}, shadow_bias{};      ///< sums of truth − mean
+  double measured_bias = 0.0;                                     ///< likewise
   fractal::PredictionScore reconstructed_objects;
   HeightScores& operator+=(const HeightScores& other);
 };
