@@ -45,16 +45,16 @@ void GroundLayers::unroll(const RollingGrid<MapCell>& map, double cell_m, Execut
 }
 
 void GroundLayers::judge_variance(const RollingGrid<MapCell>& map, const Grid<float>& relief_m2_by_law,
-                                  const Grid<float>& hidden_m2, Executor& executor) {
+                                  Executor& executor) {
   for_rows(executor, measured.rows(), [&](int begin, int end) {
     for (int row = begin; row < end; ++row)
       for (int column = 0; column < measured.columns(); ++column) {
         if (measured(row, column) == 0) continue;
         const MapCell& cell = map(row, column);
         variance_m2(row, column) =
-            cell.shared_variance_m2 + hidden_m2(row, column) +
-            height_variance_of_relief_m2(cell.noise_variance_m2, cell.place_variance_m2, cell.relief_m2, cell.hits,
-                                         relief_m2_by_law(row, column));
+            cell.shared_variance_m2 + height_variance_of_relief_m2(cell.noise_variance_m2, cell.place_variance_m2,
+                                                                   cell.relief_m2, cell.hits,
+                                                                   relief_m2_by_law(row, column));
       }
   });
 }

@@ -26,10 +26,8 @@ struct GroundLayers {
   /// Copies every cell of `map`, row-parallel. `now_ms`: on the clock of MapCell::fused_ms.
   void unroll(const RollingGrid<MapCell>& map, double cell_m, Executor& executor, std::uint32_t now_ms = 0);
 
-  /// variance_m2 again, now that a law tells the variance of the ground within each cell and what of it scanners do not
-  /// see (law_field.hpp).
-  void judge_variance(const RollingGrid<MapCell>& map, const Grid<float>& relief_m2_by_law,
-                      const Grid<float>& hidden_m2, Executor& executor);
+  /// variance_m2 again, now that a law tells the variance of the ground within each cell.
+  void judge_variance(const RollingGrid<MapCell>& map, const Grid<float>& relief_m2_by_law, Executor& executor);
 
  private:
   void shape(int rows, int columns);

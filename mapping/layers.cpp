@@ -86,7 +86,7 @@ fractal::Reconstruction* Layers::reconstruct(const RollingGrid<MapCell>& map, Ex
   if (seen) law_ = law_ ? follow(*law_, *seen) : *seen;
   if (!law_) return nullptr;
   law_field_.update(window, *rough_, *law_, executor);
-  ground_.judge_variance(map, law_field_.relief_m2(), law_field_.hidden_m2(), executor);
+  ground_.judge_variance(map, law_field_.relief_m2(), executor);
   return elevation_.update(ground_, window, law_field_.law(), *closed_, executor);
 }
 
@@ -150,6 +150,15 @@ void Layers::hand_over(fractal::Reconstruction* filled, MapSnapshot& out) {
   std::swap(out.heading_risk, risk_.sector);
 }
 
+/// What a scanner does not see of rough ground it does not see of the neighbours either: no noise of single heights
+/// that a reconstruction could smooth away, but part of every height's error.
+float Layers::sigma_m(int row, int column, const fractal::Reconstruction* filled) const {
+  const float hidden_m2 = filled != nullptr ? law_field_.hidden_m2()(row, column) : 0.0F;
+  if (ground_.measured(row, column) != 0) return std::sqrt(ground_.variance_m2(row, column) + hidden_m2);
+  const float sd_m = filled->sd_m(row, column);
+  return std::sqrt(sd_m * sd_m + hidden_m2);
+}
+
 void Layers::publish_row(int row, const fractal::Reconstruction* filled, MapSnapshot& out) {
   for (int column = 0; column < out.window.columns; ++column) {
     CellRisk cell;
@@ -159,8 +168,7 @@ void Layers::publish_row(int row, const fractal::Reconstruction* filled, MapSnap
     const bool measured = cell.state == CellState::measured;
     if (measured || cell.state == CellState::reconstructed) {
       out.elevation_mean_m(row, column) = measured ? ground_.height_m(row, column) : filled->mean_m(row, column);
-      out.elevation_sigma_m(row, column) =
-          measured ? std::sqrt(ground_.variance_m2(row, column)) : filled->sd_m(row, column);
+      out.elevation_sigma_m(row, column) = sigma_m(row, column, filled);
       out.dimension(row, column) = rough_->dimension(row, column);
       out.dimension_sigma(row, column) = rough_->dimension_sigma(row, column);
       out.amplitude_m(row, column) = rough_->amplitude_m(row, column);

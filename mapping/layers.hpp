@@ -33,6 +33,7 @@ class Layers {
   void judge_risk(const fractal::Reconstruction& filled, Executor& executor);
   void shape_outputs(MapSnapshot& out) const;
   void hand_over(fractal::Reconstruction* filled, MapSnapshot& out);
+  float sigma_m(int row, int column, const fractal::Reconstruction* filled) const;
   void publish_row(int row, const fractal::Reconstruction* filled, MapSnapshot& out);
 
   MapConfig config_;

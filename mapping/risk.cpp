@@ -60,13 +60,19 @@ void FootprintRisk::risk_block(const std::vector<Grid<float>>& draws_m, int row,
   float *worst = out.worst.row(row).data() + column, *tail = out.tail.row(row).data() + column;
   std::fill_n(worst, count, 0.0F);
   std::fill_n(tail, count, 0.0F);
-  risk_rows::Sums sums;
-  for (std::size_t h = 0; h < footprints_.size(); ++h) {
-    sums.clear();
+  // draw by draw, so that its rows stay in the first cache for all headings (docs/mapping.md)
+  constexpr std::size_t kTogether = 8;
+  std::array<risk_rows::Sums, kTogether> sums;
+  for (std::size_t first = 0; first < footprints_.size(); first += kTogether) {
+    const std::size_t headings = std::min(kTogether, footprints_.size() - first);
+    for (std::size_t h = 0; h < headings; ++h) sums[h].clear();
     for (std::size_t k = 0; k < draws_m.size(); ++k)
-      risk_rows::add_loads(footprints_[h], limits, {draws_m[k], tops_m_[k], steps_[k]}, row, column, count, sums);
-    risk_rows::finish(sums, static_cast<int>(draws_m.size()), kModelError, count,
-                      out.sector[h].row(row).data() + column, worst, tail);
+      for (std::size_t h = 0; h < headings; ++h)
+        risk_rows::add_loads(footprints_[first + h], limits, {draws_m[k], tops_m_[k], steps_[k]}, row, column, count,
+                             sums[h]);
+    for (std::size_t h = 0; h < headings; ++h)
+      risk_rows::finish(sums[h], static_cast<int>(draws_m.size()), kModelError, count,
+                        out.sector[first + h].row(row).data() + column, worst, tail);
   }
 }
 

@@ -144,20 +144,25 @@ TEST(Mapper, RollingLeavesNoStaleCells) {
   }
   const auto a = rolling.snapshot();
   const auto b = big.snapshot();
-  int compared = 0;
+  int compared = 0, gated = 0;
   for (int row = 0; row < a->state.rows(); ++row)
     for (int column = 0; column < a->state.columns(); ++column) {
       const int other_row = a->window.min.y + row - b->window.min.y;
       const int other_column = a->window.min.x + column - b->window.min.x;
       if (a->state(row, column) != CellState::measured) continue;
       ASSERT_TRUE(b->state.contains(other_row, other_column));
-      ASSERT_EQ(b->state(other_row, other_column), CellState::measured);
+      // The gate for lone returns goes by the roughness around, of which the larger window may have seen more.
+      if (b->state(other_row, other_column) != CellState::measured) {
+        ++gated;
+        continue;
+      }
       // Cells that the small window lost on the way were measured anew: fewer returns, never others.
       EXPECT_LE(a->hits(row, column), b->hits(other_row, other_column));
       EXPECT_NEAR(a->elevation_m(row, column), b->elevation_m(other_row, other_column), 0.05F);
       ++compared;
     }
   EXPECT_GT(compared, 500);
+  EXPECT_LE(gated, compared / 200);
 }
 
 TEST(Mapper, SnapshotsNeverChangeOnceHandedOut) {
