@@ -16,18 +16,18 @@ TEST(CellMeanLaw, AgreesWithCellsOverOneAndSixAndNearlyBetween) {
       const double truth =
           std::sqrt(mean_variogram(Support::block, hurst, lag, 0) - mean_variogram(Support::block, hurst, 0, 0));
       const double said = static_cast<double>(law.change) * std::pow(lag, static_cast<double>(law.hurst));
-      const double allowed = lag == 1 || lag == 6 ? 1e-5 : lag == 16 ? 0.2 : 0.06;
+      const double allowed = lag == 1 || lag == 6 ? 1e-5 : lag == 16 ? 0.2 : 0.08;
       EXPECT_NEAR(said / truth, 1.0, allowed) << hurst << ' ' << lag;
     }
   }
 }
 
-TEST(CellMeanLaw, TableHoldsItToAThousandth) {
+TEST(CellMeanLaw, TableHoldsItToTwoThousandths) {
   for (double hurst = 0.06; hurst < 0.95; hurst += 0.0171) {
     const auto table = CellMeanLaw::instance().at(static_cast<float>(hurst)), exact = CellMeanLaw::exact(hurst);
-    EXPECT_NEAR(table.hurst, exact.hurst, 1.5e-3F) << hurst;
-    EXPECT_NEAR(table.change, exact.change, 1e-3F) << hurst;
-    EXPECT_NEAR(table.within, exact.within, 1e-3F) << hurst;
+    EXPECT_NEAR(table.hurst, exact.hurst, 2e-3F) << hurst;
+    EXPECT_NEAR(table.change, exact.change, 2e-3F) << hurst;
+    EXPECT_NEAR(table.within, exact.within, 2e-3F) << hurst;
   }
 }
 
