@@ -8,7 +8,7 @@ namespace scree::fractal {
 /// Means over cells are smoother than points: of an fBm with squared change C over one cell, cells r apart differ by
 /// C·(γ̄(r) − γ̄(0)) in the mean square (support.hpp), which for D = 2.8 is a quarter of C over one cell and nearly C
 /// less a constant far away. No power law has that curve; the one given here agrees over kNear = 1 cell and kFar = 6
-/// cells, which is as far as a datum stands from most gaps, and errs by at most 6 % of an rms change between and by 20
+/// cells, which is as far as a datum stands from most gaps, and errs by at most 8 % of an rms change between and by 20
 /// % at 16 cells, D = 2.8 (cell_mean_law_test.cpp).
 class CellMeanLaw {
  public:

@@ -92,7 +92,7 @@ TEST(LawField, FollowsTheGroundFromZoneToZoneAndKeepsToTheWindowsLawFarFromData)
       roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
   LawField field(0.1);
   const fractal::FractalLaw window_law{2.45, 0.05};
-  field.update(scene.window, map, window_law, serial);
+  field.update(scene.window, map, window_law, scene.height_m, serial);
   const fractal::LawMap& law = field.law();
   // sigma of D in a window of 21 × 21 cells is .04 at most; neighbours share most of it
   // and the law of means over cells lies where theirs does
@@ -112,18 +112,35 @@ TEST(LawField, StaysWithItsGroundWhenTheWindowMovesAndMovesAFifthOfTheWay) {
   const RoughnessMap map =
       roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
   LawField field(0.1);
-  field.update(scene.window, map, {2.5, 0.1}, serial);
+  field.update(scene.window, map, {2.5, 0.1}, scene.height_m, serial);
   const Grid<float> before = field.law().dimension;
   // Nothing is known any more: every cell moves towards the law of the window, which is that of D 2.9.
   RoughnessMap nothing = map;
   for (float& d : nothing.dimension) d = NAN;
   LawField still(0.1);
-  still.update({{3, 5}, kSide, kSide}, nothing, {2.9, 0.1}, serial);
+  still.update({{3, 5}, kSide, kSide}, nothing, {2.9, 0.1}, scene.height_m, serial);
   const float goal = still.law().dimension(40, 40);
-  field.update({{3, 5}, kSide, kSide}, nothing, {2.9, 0.1}, serial);
+  field.update({{3, 5}, kSide, kSide}, nothing, {2.9, 0.1}, scene.height_m, serial);
   for (int r = 10; r < 70; ++r)
     for (int c = 10; c < 70; ++c)  // the way from D of points to D of cells is not quite straight
       ASSERT_NEAR(field.law().dimension(r, c), before(r + 5, c + 3) + 0.2F * (goal - before(r + 5, c + 3)), 0.02F);
+}
+
+// A wall 3 m high eight cells away fills the windows of D; the floor here is flat to a millimetre.
+TEST(LawField, BelievesNoRoughnessBeyondWhatTheCellsAroundShow) {
+  Grid<float> floor(kSide, kSide);
+  for (int r = 0; r < kSide; ++r)
+    for (int c = 0; c < kSide; ++c)
+      floor(r, c) = (c >= 48 ? 3.0F : 0.0F) + 0.001F * static_cast<float>(r * 7919 % 13 - c * 104729 % 11);
+  const Scene scene(std::move(floor));
+  SerialExecutor serial;
+  Roughness roughness({});
+  const RoughnessMap& map =
+      roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
+  LawField field(0.1);
+  field.update(scene.window, map, {2.5, 0.1}, scene.height_m, serial);
+  EXPECT_GT(map.amplitude_m(40, 40), 0.5F);
+  EXPECT_LT(std::sqrt(field.relief_m2()(40, 40)), 0.02F);
 }
 
 }  // namespace
