@@ -1,5 +1,5 @@
 // The measured tables of the map, as Markdown on stdout. Arguments: --quick (three dimensions, one seed), --seeds N
-// (3), --soak (10,000 frames in the section on memory), --pictures FOLDER, names of sections (default: all).
+// (2), --soak (10,000 frames in the section on memory), --pictures FOLDER, names of sections (default: all).
 
 #include <algorithm>
 #include <array>

@@ -10,7 +10,7 @@ namespace scree::bench {
 /// Folder for the pictures; empty: none are written.
 inline std::string pictures;
 /// Grounds of each dimension and amplitude.
-inline int seeds = 3;
+inline int seeds = 2;
 /// Ten thousand frames in the section on memory.
 inline bool soak = false;
 
