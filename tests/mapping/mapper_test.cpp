@@ -40,7 +40,13 @@ void expect_same_map(const MapSnapshot& a, const MapSnapshot& b) {
   expect_same_bits(a.cost, b.cost, "cost");
   expect_same_bits(a.state, b.state, "state");
   expect_same_bits(a.elevation_m, b.elevation_m, "elevation");
+  expect_same_bits(a.elevation_mean_m, b.elevation_mean_m, "elevation mean");
   expect_same_bits(a.elevation_sigma_m, b.elevation_sigma_m, "elevation sigma");
+  ASSERT_EQ(a.draws_m.size(), b.draws_m.size());
+  for (std::size_t k = 0; k < a.draws_m.size(); ++k) expect_same_bits(a.draws_m[k], b.draws_m[k], "draw");
+  expect_same_bits(a.risk, b.risk, "risk");
+  expect_same_bits(a.cell_age_s, b.cell_age_s, "cell age");
+  expect_same_bits(a.dimension_radius_cells, b.dimension_radius_cells, "radius of D");
   expect_same_bits(a.dimension, b.dimension, "dimension");
   expect_same_bits(a.dimension_sigma, b.dimension_sigma, "dimension sigma");
   expect_same_bits(a.dimension_flags, b.dimension_flags, "dimension flags");
