@@ -62,7 +62,7 @@ class ConditionalReconstructor {
                    const FractalLaw& law, Executor& executor, Reconstruction& out);
   /// The same below `ceiling_m`: the height of the lowest ray over each cell, NaN or +inf = none (at measured cells it
   /// is not looked at). Every draw is pushed below (ceiling_push.hpp) in one round a frame that starts from the last
-  /// frame's push, so a new ceiling is fully heard after some three frames; the mean moves by the mean push.
+  /// frame's push, so a new ceiling takes some frames to be fully heard; the mean moves by the mean push.
   void reconstruct(const Grid<float>& height_m, const Grid<float>& variance_m2, const Grid<float>& ceiling_m,
                    const LatticeWindow& window, const LawMap& law, Executor& executor, Reconstruction& out);
 
