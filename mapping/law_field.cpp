@@ -24,8 +24,6 @@ constexpr float kFlaggedShare = 0.1F;
 constexpr float kWindowWeight = 100.0F;  // the window's law counts as one estimate with a sigma of 0.1
 constexpr double kDimensionMin = 2.05, kDimensionMax = 2.95;
 constexpr float kChangeMin_m = 1e-5F;
-constexpr float kLeastBend_m = 1e-3F;
-constexpr float kLogOfNormal = 0.63518F;  // −E log |n|, n standard normal
 
 }  // namespace
 
@@ -68,34 +66,6 @@ void LawField::load_row(const RoughnessMap& roughness, int row) {
   }
 }
 
-/// Logarithms of the second differences over one cell, along the row and the column.
-void LawField::load_bends_row(const Grid<float>& height_m, int row) {
-  const auto logs = logs_.row(row), bends = bends_.row(row);
-  for (int column = 0; column < window_.columns; ++column) {
-    const auto i = static_cast<std::size_t>(column);
-    logs[i] = bends[i] = 0.0F;
-    for (const auto& [dr, dc] : {std::pair{0, 1}, std::pair{1, 0}}) {
-      if (!height_m.contains(row - dr, column - dc) || !height_m.contains(row + dr, column + dc)) continue;
-      const float bend =
-          height_m(row - dr, column - dc) - 2.0F * height_m(row, column) + height_m(row + dr, column + dc);
-      if (!std::isfinite(bend)) continue;
-      float log;
-      fractal::fast_log<float, std::int32_t>(std::max(std::abs(bend), kLeastBend_m), log);
-      logs[i] += log;
-      bends[i] += 1.0F;
-    }
-  }
-}
-
-/// The change over a cell, of points, beyond which no law is believed; +inf = no limit known.
-float LawField::change_limit_m(int row, int column, const fractal::CellMeanLaw::Values& of_cells) const {
-  const float bends = bends_.sums()(row, column);
-  if (bends < kBends) return std::numeric_limits<float>::infinity();
-  const float rms_bend_m = std::exp(logs_.sums()(row, column) / bends + kLogOfNormal);
-  const float of_change = std::sqrt(4.0F - std::pow(4.0F, of_cells.hurst)) * of_cells.change;
-  return std::max(kTrust * rms_bend_m / of_change, kChangeMin_m);
-}
-
 void LawField::follow_row(const fractal::FractalLaw& window_law, int row) {
   const auto prior_dimension = static_cast<float>(window_law.dimension);
   const auto prior_log = static_cast<float>(std::log(std::max(window_law.rms_change_m(cell_m_), 1e-5)));
@@ -117,7 +87,8 @@ void LawField::write_row(int row) {
   const fractal::CellMeanLaw& cell_law = fractal::CellMeanLaw::instance();
   for (int column = 0; column < window_.columns; ++column) {
     const auto of_cells = cell_law.at(3.0F - followed_dimension_(row, column));
-    const float change_m = std::min(std::exp(followed_log_change_(row, column)), change_limit_m(row, column, of_cells));
+    const float change_m =
+        std::min(std::exp(followed_log_change_(row, column)), limit_.change_m(row, column, of_cells));
     const float hurst =
         std::clamp(of_cells.hurst, 3.0F - static_cast<float>(kDimensionMax), 3.0F - static_cast<float>(kDimensionMin));
     law_.dimension(row, column) = 3.0F - hurst;
@@ -129,23 +100,19 @@ void LawField::write_row(int row) {
 }
 
 void LawField::update(const LatticeWindow& window, const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
-                      const Grid<float>& height_m, Executor& executor) {
+                      const GroundLayers& ground, Executor& executor) {
   if (window != window_) follow_window(window);
   if (relief_m2_.rows() != window.rows || relief_m2_.columns() != window.columns) {
     for (Grid<float>* grid : {&law_.dimension, &law_.amplitude_m, &relief_m2_, &hidden_m2_})
       grid->reshape(window.rows, window.columns);
     for (fractal::BoxCascade* box : {&weight_, &dimension_, &log_change_})
       box->resize(window.rows, window.columns, kRadius);
-    for (fractal::BoxSum* box : {&logs_, &bends_}) box->resize(window.rows, window.columns, kRadius);
   }
   law_.law = of_cells(window_law);
   for_rows(executor, window.rows, [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) {
-      load_row(roughness, row);
-      load_bends_row(height_m, row);
-    }
+    for (int row = begin; row < end; ++row) load_row(roughness, row);
   });
-  for (fractal::BoxSum* box : {&logs_, &bends_}) box->sum(scratch_);
+  limit_.update(ground, executor);
   for (fractal::BoxCascade* box : {&weight_, &dimension_, &log_change_}) box->smooth();
   for_rows(executor, window.rows, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {

@@ -3,9 +3,10 @@
 
 #include "core/executor.hpp"
 #include "core/grid.hpp"
-#include "fractal/cell_mean_law.hpp"
 #include "fractal/reconstruction/box_cascade.hpp"
 #include "fractal/reconstruction/surface_problem.hpp"
+#include "mapping/bend_limit.hpp"
+#include "mapping/ground_layers.hpp"
 #include "mapping/roughness.hpp"
 
 namespace scree::mapping {
@@ -19,16 +20,11 @@ class LawField {
  public:
   explicit LawField(double cell_m) : cell_m_(cell_m) {}
 
-  /// `roughness` and `window_law` (of the middle of the map) are laws of the ground's points. A window of D may hold a
-  /// car or a tree that is not here: no law is believed beyond kTrust times the second differences that cells within
-  /// three show, where kBends or more are known. Second differences, because a slope is no roughness; their geometric
-  /// mean, as that of normal ones is to their rms, because a few wild ones hardly move it. Of ground of the law 8
-  /// independent ones fall that low about once in 25 (the mean of log |n| has a standard deviation of 1.11/√8 against
-  /// log 2), the 40 of full windows hardly ever. height_m: NaN = unmeasured.
+  /// `roughness` and `window_law` (of the middle of the map) are laws of the ground's points; none is believed beyond
+  /// what the cells' heights around bear out (bend_limit.hpp).
   /// Row-parallel but for the box sums. No allocation when the shape stays.
   void update(const LatticeWindow& window, const RoughnessMap& roughness, const fractal::FractalLaw& window_law,
-              const Grid<float>& height_m, Executor& executor);
-  static constexpr float kTrust = 2.0F, kBends = 8.0F;
+              const GroundLayers& ground, Executor& executor);
 
   /// A law for every cell of the window of the last update: of the means over cells, which are what the map's heights
   /// are (fractal/cell_mean_law.hpp).
@@ -43,8 +39,6 @@ class LawField {
 
  private:
   fractal::FractalLaw of_cells(const fractal::FractalLaw& points) const;
-  float change_limit_m(int row, int column, const fractal::CellMeanLaw::Values& of_cells) const;
-  void load_bends_row(const Grid<float>& height_m, int row);
   void follow_window(const LatticeWindow& window);
   void load_row(const RoughnessMap& roughness, int row);
   void follow_row(const fractal::FractalLaw& window_law, int row);
@@ -53,8 +47,7 @@ class LawField {
   double cell_m_;
   LatticeWindow window_;
   fractal::BoxCascade weight_, dimension_, log_change_;
-  fractal::BoxSum logs_, bends_;  ///< of second differences
-  fractal::BoxScratch scratch_;
+  BendLimit limit_;
   Grid<float> followed_dimension_, followed_log_change_;  ///< NaN = not yet
   fractal::LawMap law_;
   Grid<float> relief_m2_, hidden_m2_;

@@ -85,7 +85,7 @@ fractal::Reconstruction* Layers::reconstruct(const RollingGrid<MapCell>& map, Ex
   const auto seen = window_law_.estimate(*rough_, ground_.measured);
   if (seen) law_ = law_ ? follow(*law_, *seen) : *seen;
   if (!law_) return nullptr;
-  law_field_.update(window, *rough_, *law_, ground_.height_m, executor);
+  law_field_.update(window, *rough_, *law_, ground_, executor);
   ground_.judge_variance(map, law_field_.relief_m2(), executor);
   return elevation_.update(ground_, window, law_field_.law(), *closed_, executor);
 }

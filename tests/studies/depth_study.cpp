@@ -15,13 +15,7 @@ constexpr double kOutlier_m = 0.1;
 
 nlohmann::json replay(const std::string& scree, const fs::path& recording, const fs::path& base,
                       std::vector<std::string> more = {}) {
-  std::vector<std::string> command{scree,    "replay",    recording.string(),     "--rate",     "max",
-                                   "--json", "--map-out", base.string() + ".npy", "--snapshot", base.string() + ".png"};
-  for (const char* setting :
-       {"publish.destination=127.0.0.1:9", "publish.listen=127.0.0.1:0", "map.cell_m=0.05", "map.size_cells=400"})
-    command.insert(command.end(), {"--set", setting});
-  command.insert(command.end(), more.begin(), more.end());
-  return nlohmann::json::parse(must_run(command));
+  return replay_map(scree, recording, base, {"map.cell_m=0.05", "map.size_cells=400"}, std::move(more));
 }
 
 void print_pixels(const std::string& name, const nlohmann::json& node) {
@@ -86,6 +80,19 @@ void print_agreement(int frame, const FrameMap& alone, const FrameMap& before) {
   std::puts("");
 }
 
+/// The floor lies at 0: cells whose own and whose neighbours' known heights within the default footprint's half are
+/// within kFloor_m of it. Nothing there can be in the way of a wheel.
+constexpr float kFloor_m = 0.08F;
+constexpr int kHalfFootprint = 7;
+
+bool is_floor(const Grid<float>& elevation_m, int row, int column) {
+  for (int dr = -kHalfFootprint; dr <= kHalfFootprint; ++dr)
+    for (int dc = -kHalfFootprint; dc <= kHalfFootprint; ++dc)
+      if (elevation_m.contains(row + dr, column + dc) && std::abs(elevation_m(row + dr, column + dc)) > kFloor_m)
+        return false;
+  return std::abs(elevation_m(row, column)) <= kFloor_m;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -107,6 +114,13 @@ int main(int argc, char** argv) {
     test::write_realsense_recording(data / "realsense_d435_bag" / (name + "_depth_z16_848x480.pgm"), folder / name);
     print_pixels("D435 " + name, replay(scree, folder / name, folder / (name + "_map")));
   }
+
+  std::puts("");
+  print_cost_heading();
+  const Map room = read_map(folder / "kinect_map");
+  print_costs("Kinect, all", folder / "kinect_map", [](int, int) { return true; });
+  print_costs("Kinect, floor", folder / "kinect_map",
+              [&](int row, int column) { return is_floor(room.elevation_m, row, column); });
 
   std::puts(
       "\n| Kinect frame against those before | level cells in common | median, mm | size: median, 90 %, mm | beyond "

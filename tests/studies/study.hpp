@@ -59,6 +59,40 @@ inline Map read_map(const fs::path& base) {
   return map;
 }
 
+/// Replays a recording alone and keeps its layers as BASE.*.npy and the picture as BASE.png; the node's statistics.
+inline nlohmann::json replay_map(const std::string& scree, const fs::path& recording, const fs::path& base,
+                                 const std::vector<std::string>& settings, std::vector<std::string> more = {}) {
+  std::vector<std::string> command{scree,    "replay",    recording.string(),     "--rate",     "max",
+                                   "--json", "--map-out", base.string() + ".npy", "--snapshot", base.string() + ".png"};
+  for (const char* setting : {"publish.destination=127.0.0.1:9", "publish.listen=127.0.0.1:0"})
+    command.insert(command.end(), {"--set", setting});
+  for (const std::string& setting : settings) command.insert(command.end(), {"--set", setting});
+  command.insert(command.end(), more.begin(), more.end());
+  return nlohmann::json::parse(must_run(command));
+}
+
+inline void print_cost_heading() {
+  std::puts("| measured cells of | n | cost < 64, % | 64 … 253, % | lethal, % |\n|---|---|---|---|---|");
+}
+
+/// What the measured cells of a written map cost, of those that `chosen(row, column)` takes.
+template <class Chosen>
+void print_costs(const std::string& name, const fs::path& base, const Chosen& chosen) {
+  const auto cost = must(io::read_npy(base.string() + ".cost.npy"));
+  const auto state = must(io::read_npy(base.string() + ".cell_state.npy"));
+  std::size_t n = 0, low = 0, lethal = 0;
+  for (int row = 0; row < cost.rows(); ++row)
+    for (int column = 0; column < cost.columns(); ++column) {
+      if (state(row, column) != static_cast<float>(CellState::measured) || !chosen(row, column)) continue;
+      ++n;
+      low += cost(row, column) < 64.0F ? 1U : 0U;
+      lethal += cost(row, column) == 254.0F ? 1U : 0U;
+    }
+  const auto share = [n](std::size_t k) { return 100.0 * static_cast<double>(k) / static_cast<double>(n); };
+  std::printf("| %s | %zu | %.1f | %.1f | %.1f |\n", name.c_str(), n, share(low), share(n - low - lethal),
+              share(lethal));
+}
+
 /// Signed errors; every figure of none of them is NaN.
 struct Deviation {
   std::vector<double> errors;
