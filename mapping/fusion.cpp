@@ -50,6 +50,10 @@ FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, Ma
   const auto hits = static_cast<std::uint64_t>(frame.hits);
   FusionCounts counts;
   counts.other_surface = static_cast<std::uint64_t>(frame.others);
+  if (frame.bottom_m - cell.ceiling_m >= config.overhang_m) {  // rays passed below: a crown, a bridge
+    counts.other_surface += hits;
+    return counts;
+  }
   cell.seen_through = 0;
   if (!cell.measured()) {
     replace(frame, cell);

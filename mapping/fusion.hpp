@@ -29,7 +29,8 @@ inline constexpr int kReturnsToReplace = 4;
 
 /// Folds one cell's returns of one frame (heights in the map frame) into the stored cell. Heights that agree within
 /// `outlier_sigmas` are averaged with weights 1/variance; the noise of the result is propagated, `hits` adds up and the
-/// relief is pooled. What lies `overhang_m` or more above the stored height is another surface and no contradiction.
+/// relief is pooled. What lies `overhang_m` or more above the stored height, or above a ray that crossed the cell, is
+/// another surface and no contradiction.
 FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, MapCell& cell);
 
 /// Every cell of the window, row-parallel.

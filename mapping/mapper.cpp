@@ -161,13 +161,14 @@ Result<StepReport> Mapper::integrate(const PointFrame& points, StageClock& clock
   AlignmentReport aligned;
   if (s.config.align_frames) aligned = s.alignment.align(placed, s.config.cell_m, s.executor, s.map, s.frame_returns);
   const std::uint32_t now_ms = s.clock_ms(points.time);
+  // before the fusion, for which what hangs above passing rays is no ground
+  if (!aligned.refused) s.visibility.update(placed, s.cell_points, aligned.off, s.executor, s.map);
+  clock.lap(Stage::look);
   const FusionCounts counts = aligned.refused
                                   ? Fusion::refuse(s.frame_returns)
                                   : s.fusion.fuse(s.frame_returns, now_ms, GateLaw(s.latest.get()), s.executor, s.map);
-  clock.lap(Stage::fuse);
-  if (!aligned.refused) s.visibility.update(placed, s.cell_points, aligned.off, s.executor, s.map);
   if (s.config.align_frames) s.alignment.carry(s.config.cell_m, s.map);
-  clock.lap(Stage::look);
+  clock.lap(Stage::fuse);
 
   s.latest.reset();  // with no reader left its buffers are the next snapshot's
   const std::shared_ptr<MapSnapshot> next = s.pool.acquire();

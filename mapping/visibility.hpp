@@ -30,7 +30,7 @@ inline constexpr int kFramesToForget = 5;
 class Visibility {
  public:
   explicit Visibility(const VisibilityConfig& config);
-  /// After the fusion of the same frame: `points` tells which cells it hit. `off` is what alignment took off its
+  /// Before the fusion of the same frame: `points` tells which cells it hit. `off` is what alignment took off its
   /// heights.
   void update(const PointFrame& frame, const CellPoints& points, const HeightPlane& off, Executor& executor,
               RollingGrid<MapCell>& map);

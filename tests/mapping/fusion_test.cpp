@@ -104,6 +104,18 @@ TEST(Fusion, OverhangSeenLaterNeverReplacesTheGround) {
   EXPECT_FLOAT_EQ(cell.height_m, 0.0F);
 }
 
+// A crown of which only the top was hit, while rays to farther ground passed below: no ground seven metres up.
+TEST(Fusion, WhatHangsAboveRaysThatPassedIsNoGround) {
+  MapCell cell;
+  cell.ceiling_m = 0.2F;
+  const FusionCounts counts = fuse_cell(flat(7.0F, 3), GroundConfig{}, cell);
+  EXPECT_EQ(counts.other_surface, 3U);
+  EXPECT_EQ(counts.fused, 0U);
+  EXPECT_FALSE(cell.measured());
+  fuse_cell(flat(1.1F, 3), GroundConfig{}, cell);  // a wall that rays passed beside: within a vehicle's height
+  EXPECT_TRUE(cell.measured());
+}
+
 TEST(Fusion, GroundSeenLaterReplacesAnOverhang) {
   MapCell cell;
   fuse_cell(flat(2.5F), GroundConfig{}, cell);

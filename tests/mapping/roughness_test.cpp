@@ -6,6 +6,7 @@
 #include "fractal/cell_mean_law.hpp"
 #include "fractal/surface.hpp"
 #include "mapping/law_field.hpp"
+#include "tests/support/ground_of.hpp"
 
 namespace scree::mapping {
 namespace {
@@ -92,7 +93,7 @@ TEST(LawField, FollowsTheGroundFromZoneToZoneAndKeepsToTheWindowsLawFarFromData)
       roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
   LawField field(0.1);
   const fractal::FractalLaw window_law{2.45, 0.05};
-  field.update(scene.window, map, window_law, scene.height_m, serial);
+  field.update(scene.window, map, window_law, test::ground_of(scene.height_m), serial);
   const fractal::LawMap& law = field.law();
   // sigma of D in a window of 21 × 21 cells is .04 at most; neighbours share most of it
   // and the law of means over cells lies where theirs does
@@ -112,15 +113,15 @@ TEST(LawField, StaysWithItsGroundWhenTheWindowMovesAndMovesAFifthOfTheWay) {
   const RoughnessMap map =
       roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
   LawField field(0.1);
-  field.update(scene.window, map, {2.5, 0.1}, scene.height_m, serial);
+  field.update(scene.window, map, {2.5, 0.1}, test::ground_of(scene.height_m), serial);
   const Grid<float> before = field.law().dimension;
   // Nothing is known any more: every cell moves towards the law of the window, which is that of D 2.9.
   RoughnessMap nothing = map;
   for (float& d : nothing.dimension) d = NAN;
   LawField still(0.1);
-  still.update({{3, 5}, kSide, kSide}, nothing, {2.9, 0.1}, scene.height_m, serial);
+  still.update({{3, 5}, kSide, kSide}, nothing, {2.9, 0.1}, test::ground_of(scene.height_m), serial);
   const float goal = still.law().dimension(40, 40);
-  field.update({{3, 5}, kSide, kSide}, nothing, {2.9, 0.1}, scene.height_m, serial);
+  field.update({{3, 5}, kSide, kSide}, nothing, {2.9, 0.1}, test::ground_of(scene.height_m), serial);
   for (int r = 10; r < 70; ++r)
     for (int c = 10; c < 70; ++c)  // the way from D of points to D of cells is not quite straight
       ASSERT_NEAR(field.law().dimension(r, c), before(r + 5, c + 3) + 0.2F * (goal - before(r + 5, c + 3)), 0.02F);
@@ -138,7 +139,7 @@ TEST(LawField, BelievesNoRoughnessBeyondWhatTheCellsAroundShow) {
   const RoughnessMap& map =
       roughness.update(scene.window, scene.height_m, scene.variance_m2, scene.support, scene.wanted, serial);
   LawField field(0.1);
-  field.update(scene.window, map, {2.5, 0.1}, scene.height_m, serial);
+  field.update(scene.window, map, {2.5, 0.1}, test::ground_of(scene.height_m), serial);
   EXPECT_GT(map.amplitude_m(40, 40), 0.5F);
   EXPECT_LT(std::sqrt(field.relief_m2()(40, 40)), 0.02F);
 }
