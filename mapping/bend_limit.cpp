@@ -14,6 +14,7 @@ namespace scree::mapping {
 namespace {
 
 constexpr std::array<int, 2> kLags{1, 4};  // cells
+constexpr float kLog4 = 1.3862944F;
 constexpr float kLeastBend_m = 1e-3F;
 constexpr float kLogOfNormal = 0.63518F;  // −E log |n|, n standard normal
 constexpr float kSpreadOfLog = 1.1107F;   // standard deviation of log |n|
@@ -52,18 +53,13 @@ void BendLimit::load_row(const GroundLayers& ground, int row, Lag& lag) {
 }
 
 void BendLimit::add_up(Lag& lag, int rows) {
-  lag.total = {};
-  for (int row = 0; row < rows; ++row) {
-    const auto sum = [row](fractal::BoxSum& of) {
-      double out = 0.0;
+  const auto total = [rows](fractal::BoxSum& of) {
+    double out = 0.0;
+    for (int row = 0; row < rows; ++row)
       for (const float value : of.row(row)) out += static_cast<double>(value);
-      return out;
-    };
-    lag.total.logs += sum(lag.logs);
-    lag.total.count += sum(lag.count);
-    lag.total.noise_m2 += sum(lag.noise_m2);
-    lag.total.places += sum(lag.places);
-  }
+    return static_cast<float>(out);
+  };
+  lag.total = {total(lag.logs), total(lag.count), total(lag.noise_m2), total(lag.places)};
 }
 
 void BendLimit::update(const GroundLayers& ground, Executor& executor) {
@@ -88,27 +84,26 @@ void BendLimit::update(const GroundLayers& ground, Executor& executor) {
 }
 
 /// What chance may hide of the bends stays: the noise is taken off the mean square down to that share of it.
-float BendLimit::change_m(const Lag& lag, float logs, float count, float noise_m2, float places,
-                          const fractal::CellMeanLaw::Values& of_cells) {
-  if (count < kBends) return kNoLimit;
-  const float bend_m2 = std::exp(2.0F * (logs / count + kLogOfNormal));
-  const float chance = std::min(1.0F, 2.0F * kSpreadOfLog / std::sqrt(count));
-  const float excess_m2 = std::max(bend_m2 - noise_m2 / count, chance * bend_m2);
-  const float change = of_cells.change * std::pow(static_cast<float>(lag.cells), of_cells.hurst);
-  const float of_change = (4.0F - std::pow(4.0F, of_cells.hurst)) * change * change + of_cells.within * places / count;
+float BendLimit::change_m(const Lag& lag, const Sums& sums, const fractal::CellMeanLaw::Values& of_cells) {
+  if (sums.count < kBends) return kNoLimit;
+  const float bend_m2 = fractal::fast_exp(2.0F * (sums.logs / sums.count + kLogOfNormal));
+  const float chance = std::min(1.0F, 2.0F * kSpreadOfLog / std::sqrt(sums.count));
+  const float excess_m2 = std::max(bend_m2 - sums.noise_m2 / sums.count, chance * bend_m2);
+  const float octaves2 = fractal::fast_exp(kLog4 * of_cells.hurst);  // 4^h, the square of one octave's growth
+  const float growth = lag.cells == 1 ? 1.0F : octaves2;
+  const float of_change = (4.0F - octaves2) * growth * growth * of_cells.change * of_cells.change +
+                          of_cells.within * sums.places / sums.count;
   return std::max(kTrust * std::sqrt(excess_m2 / of_change), kLeastChange_m);
 }
 
 float BendLimit::change_m(int row, int column, const fractal::CellMeanLaw::Values& of_cells) const {
   float least = kNoLimit;
-  for (const Lag& lag : lags_)
-    least = std::min(least, change_m(lag, lag.logs.sums()(row, column), lag.count.sums()(row, column),
-                                     lag.noise_m2.sums()(row, column), lag.places.sums()(row, column), of_cells));
+  for (const Lag& lag : lags_) {
+    const auto at = [&](const fractal::BoxSum& of) { return of.sums()(row, column); };
+    least = std::min(least, change_m(lag, {at(lag.logs), at(lag.count), at(lag.noise_m2), at(lag.places)}, of_cells));
+  }
   if (least < kNoLimit) return least;
-  for (const Lag& lag : lags_)
-    least = std::min(least,
-                     change_m(lag, static_cast<float>(lag.total.logs), static_cast<float>(lag.total.count),
-                              static_cast<float>(lag.total.noise_m2), static_cast<float>(lag.total.places), of_cells));
+  for (const Lag& lag : lags_) least = std::min(least, change_m(lag, lag.total, of_cells));
   return least;
 }
 

@@ -34,17 +34,18 @@ class BendLimit {
   float change_m(int row, int column, const fractal::CellMeanLaw::Values& of_cells) const;
 
  private:
+  /// Over bends: log |b|, their number, Σ w² R, Σ w²/k.
+  struct Sums {
+    float logs = 0.0F, count = 0.0F, noise_m2 = 0.0F, places = 0.0F;
+  };
   struct Lag {
-    int cells = 0;
+    int cells = 0;                                  ///< 1 or 4
     fractal::BoxSum logs, count, noise_m2, places;  ///< of the bends centred on each cell
-    struct Total {
-      double logs = 0.0, count = 0.0, noise_m2 = 0.0, places = 0.0;
-    } total;
+    Sums total;
   };
   static void load_row(const GroundLayers& ground, int row, Lag& lag);
   static void add_up(Lag& lag, int rows);
-  static float change_m(const Lag& lag, float logs, float count, float noise_m2, float places,
-                        const fractal::CellMeanLaw::Values& of_cells);
+  static float change_m(const Lag& lag, const Sums& sums, const fractal::CellMeanLaw::Values& of_cells);
 
   std::array<Lag, 2> lags_;
   fractal::BoxScratch scratch_;

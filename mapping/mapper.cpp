@@ -161,6 +161,7 @@ Result<StepReport> Mapper::integrate(const PointFrame& points, StageClock& clock
   AlignmentReport aligned;
   if (s.config.align_frames) aligned = s.alignment.align(placed, s.config.cell_m, s.executor, s.map, s.frame_returns);
   const std::uint32_t now_ms = s.clock_ms(points.time);
+  clock.lap(Stage::fuse);
   // before the fusion, for which what hangs above passing rays is no ground
   if (!aligned.refused) s.visibility.update(placed, s.cell_points, aligned.off, s.executor, s.map);
   clock.lap(Stage::look);

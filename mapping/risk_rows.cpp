@@ -16,28 +16,32 @@ struct Stand {
   alignas(64) Line level, along, across, step;
 };
 
-struct Wheels {
-  std::array<const float*, Footprint::kWheels> z, step;
-  std::array<float, Footprint::kWheels> level, along, across;
-};
+using OfWheels = std::array<const float*, Footprint::kWheels>;
+using Weights = std::array<float, Footprint::kWheels>;
 
-SCREE_INLINE float weighed(const std::array<float, Footprint::kWheels>& weights, float a, float b, float c, float d) {
+SCREE_INLINE float weighed(const Weights& weights, float a, float b, float c, float d) {
   return (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
 }
 
-// Pointers of its own for every row: through the structs the compiler sees aliases and leaves the loop scalar.
-SCREE_CLONES void stand_on(const Wheels& w, int n, Stand& out) {
-  const float* __restrict z0 = w.z[0], * __restrict z1 = w.z[1], * __restrict z2 = w.z[2], * __restrict z3 = w.z[3];
-  const float* __restrict s0 = w.step[0], * __restrict s1 = w.step[1], * __restrict s2 = w.step[2], * __restrict s3 = w.step[3];
-  float *__restrict level = out.level.data(), *__restrict along = out.along.data(),
-        *__restrict across = out.across.data(), *__restrict step = out.step.data();
-  const auto by_level = w.level, by_along = w.along, by_across = w.across;
+// Every row is an argument of its own: only there does g++ believe __restrict; of locals and of members it fears that
+// they overlap and leaves the loop scalar, four times as slow (docs/mapping.md).
+SCREE_CLONES void fit_plane(const float* __restrict z0, const float* __restrict z1, const float* __restrict z2,
+                            const float* __restrict z3, const Weights& by_level, const Weights& by_along,
+                            const Weights& by_across, int n, float* __restrict level, float* __restrict along,
+                            float* __restrict across) {
+  const Weights l = by_level, a = by_along, c = by_across;
   for (int i = 0; i < n; ++i) {
-    level[i] = weighed(by_level, z0[i], z1[i], z2[i], z3[i]);
-    along[i] = weighed(by_along, z0[i], z1[i], z2[i], z3[i]);
-    across[i] = weighed(by_across, z0[i], z1[i], z2[i], z3[i]);
+    level[i] = weighed(l, z0[i], z1[i], z2[i], z3[i]);
+    along[i] = weighed(a, z0[i], z1[i], z2[i], z3[i]);
+    across[i] = weighed(c, z0[i], z1[i], z2[i], z3[i]);
+  }
+}
+
+SCREE_CLONES void largest(const float* __restrict s0, const float* __restrict s1, const float* __restrict s2,
+                          const float* __restrict s3, int n, float* __restrict out) {
+  for (int i = 0; i < n; ++i) {
     const float front = s0[i] > s1[i] ? s0[i] : s1[i], rear = s2[i] > s3[i] ? s2[i] : s3[i];
-    step[i] = front > rear ? front : rear;
+    out[i] = front > rear ? front : rear;
   }
 }
 
@@ -112,13 +116,15 @@ void add_loads(const Footprint& footprint, const Limits& limits, const Surface& 
   const auto at = [&](const Grid<float>& grid, const Footprint::Part& part) {
     return grid.row(row + part.offset.y).data() + column + part.offset.x;
   };
-  Wheels wheels{{}, {}, footprint.level, footprint.along, footprint.across};
+  OfWheels z, step;
   for (std::size_t w = 0; w < footprint.wheels.size(); ++w) {
-    wheels.z[w] = at(surface.draw_m, footprint.wheels[w]);
-    wheels.step[w] = at(surface.step, footprint.wheels[w]);
+    z[w] = at(surface.draw_m, footprint.wheels[w]);
+    step[w] = at(surface.step, footprint.wheels[w]);
   }
   Stand stand;
-  stand_on(wheels, n, stand);
+  fit_plane(z[0], z[1], z[2], z[3], footprint.level, footprint.along, footprint.across, n, stand.level.data(),
+            stand.along.data(), stand.across.data());
+  largest(step[0], step[1], step[2], step[3], n, stand.step.data());
   alignas(64) Line belly;
   std::fill_n(belly.begin(), n, 0.0F);
   for (std::size_t first = 0; first < footprint.belly.size(); first += kTogether) {

@@ -91,6 +91,33 @@ void stage_table(const Times& times, double welford_ms) {
       first, at_most(first, 4.0), second, at_most(second, 25.0)));
 }
 
+/// How many times as many steps two mappers, each on a core of its own with frames of its own, take in the time in
+/// which one takes its own alone: what the machine's second core is worth to this work, and so the most that splitting
+/// a step can gain.
+double worth_of_second_core(const char* sensor) {
+  constexpr int kFrames = 30;
+  struct Lane {
+    EndlessDrive drive;
+    SerialExecutor serial;
+    mapping::Mapper mapper{{}, serial};
+    void run(int frames) {
+      for (int i = 0; i < frames; ++i) must(mapper.step(drive.next()));
+    }
+  };
+  Lane first{EndlessDrive(sensor), {}}, second{EndlessDrive(sensor), {}};
+  first.run(kWarmUp);
+  second.run(kWarmUp);
+  std::vector<double> alone, together;
+  for (int turn = 0; turn < (quick ? 1 : 5); ++turn) {
+    alone.push_back(milliseconds([&] { first.run(kFrames); }));
+    together.push_back(milliseconds([&] {
+      const std::jthread beside([&] { second.run(kFrames); });
+      first.run(kFrames);
+    }));
+  }
+  return 2.0 * quantile(alone, 0.5) / quantile(together, 0.5);
+}
+
 }  // namespace
 
 void speed_section() {
@@ -119,6 +146,11 @@ of medians, to the plain Welford fusion of the same frames.)",
         at_most(quantile(times.work[kTwoThreads], 0.99), 2.0 * medians[kTwoThreads]),
         medians[kOneThread] / medians[kTwoThreads], at_least(medians[kOneThread] / medians[kTwoThreads], 1.6),
         medians[kWide] / medians[kOneThread], at_most(medians[kWide] / medians[kOneThread], 4.5)));
+    print_text(
+        fmt::format("\nTwo mappers that share nothing, one a core, take {:.2f} times as many steps as one: more than "
+                    "that no step can "
+                    "gain from this machine's second core.",
+                    worth_of_second_core(sensor)));
   }
 }
 
