@@ -1,8 +1,7 @@
 // Two clouds of a car's lidar in a street, each alone, through the node: what the map makes of them and what it costs.
 // Prints the table "Urban lidar" of docs/accuracy.md.  Usage: clouds_study SCREE DATA [FOLDER_TO_KEEP]
 
-#include <array>
-
+#include "io/point_cloud.hpp"
 #include "tests/studies/study.hpp"
 
 namespace {
@@ -10,29 +9,12 @@ namespace {
 using namespace scree;
 using namespace scree::study;
 
-/// The points of a table "x,y,z,…" with one heading line.
-std::vector<std::array<float, 3>> read_points(const fs::path& csv) {
-  std::ifstream file(csv);
-  std::string line;
-  std::getline(file, line);
-  std::vector<std::array<float, 3>> points;
-  while (std::getline(file, line)) {
-    std::array<float, 3> p{};
-    if (std::sscanf(line.c_str(), "%f , %f , %f", &p[0], &p[1], &p[2]) != 3) fail(csv.string() + ": no point: " + line);
-    points.push_back(p);
-  }
-  if (points.empty()) fail(csv.string() + ": no points");
-  return points;
-}
-
 /// One frame, the sensor at the origin and level: the clouds say neither height nor attitude.
 void write_recording(const fs::path& csv, const fs::path& directory) {
   fs::create_directories(directory / "frames");
   std::ofstream frame(directory / "frames" / "000000.bin", std::ios::binary);
-  for (const auto& p : read_points(csv)) {
-    const std::array<float, 4> record{p[0], p[1], p[2], 0.0F};
-    frame.write(reinterpret_cast<const char*>(record.data()), sizeof record);
-  }
+  for (const Eigen::Vector4f& p : must(io::read_point_cloud(csv)).points)
+    frame.write(reinterpret_cast<const char*>(p.data()), 4 * sizeof(float));
   std::ofstream(directory / "recording.yaml")
       << "scree_recording: 1\norigin: live\nsensor:\n  projection: cloud\n  T_body_sensor: {x_m: 0, y_m: 0, z_m: 0, "
          "qx: 0, qy: 0, qz: 0, qw: 1}\n  range_min_m: 1\n  range_max_m: 80\n"
@@ -54,6 +36,6 @@ int main(int argc, char** argv) {
     write_recording(data / (name + ".csv"), folder / name);
     const fs::path base = folder / (name + "_map");
     replay_map(scree, folder / name, base, {"map.cell_m=0.2", "map.size_cells=200"});
-    print_costs(name + ", all", base, [](int, int) { return true; });
+    print_costs(name, base);
   }
 }

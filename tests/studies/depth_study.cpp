@@ -80,19 +80,6 @@ void print_agreement(int frame, const FrameMap& alone, const FrameMap& before) {
   std::puts("");
 }
 
-/// The floor lies at 0: cells whose own and whose neighbours' known heights within the default footprint's half are
-/// within kFloor_m of it. Nothing there can be in the way of a wheel.
-constexpr float kFloor_m = 0.08F;
-constexpr int kHalfFootprint = 7;
-
-bool is_floor(const Grid<float>& elevation_m, int row, int column) {
-  for (int dr = -kHalfFootprint; dr <= kHalfFootprint; ++dr)
-    for (int dc = -kHalfFootprint; dc <= kHalfFootprint; ++dc)
-      if (elevation_m.contains(row + dr, column + dc) && std::abs(elevation_m(row + dr, column + dc)) > kFloor_m)
-        return false;
-  return std::abs(elevation_m(row, column)) <= kFloor_m;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -117,10 +104,7 @@ int main(int argc, char** argv) {
 
   std::puts("");
   print_cost_heading();
-  const Map room = read_map(folder / "kinect_map");
-  print_costs("Kinect, all", folder / "kinect_map", [](int, int) { return true; });
-  print_costs("Kinect, floor", folder / "kinect_map",
-              [&](int row, int column) { return is_floor(room.elevation_m, row, column); });
+  print_costs("Kinect", folder / "kinect_map");
 
   std::puts(
       "\n| Kinect frame against those before | level cells in common | median, mm | size: median, 90 %, mm | beyond "

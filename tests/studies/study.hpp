@@ -1,6 +1,8 @@
 #pragma once
 // What the studies share: a run of the binary that must succeed, the map that it wrote, sums of deviations.
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -71,19 +73,45 @@ inline nlohmann::json replay_map(const std::string& scree, const fs::path& recor
   return nlohmann::json::parse(must_run(command));
 }
 
+/// Nothing measured is in the way of a vehicle of the default size: around the cell 30 % are measured within reach of
+/// its wheels, and all of these lie within 5 cm of one plane that is no steeper than 0.3. What such ground costs is
+/// what the map itself adds to it.
+inline bool is_plain(const Map& map, int row, int column) {
+  constexpr double kReach_m = 0.62, kLeastShare = 0.3, kAside_m = 0.05, kSteepest = 0.3;
+  const int reach = static_cast<int>(kReach_m / map.cell_m + 0.5);
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sums = Eigen::Vector3d::Zero();
+  std::vector<std::pair<Eigen::Vector3d, double>> points;
+  int cells = 0;
+  for (int dr = -reach; dr <= reach; ++dr)
+    for (int dc = -reach; dc <= reach; ++dc) {
+      if (dr * dr + dc * dc > reach * reach) continue;
+      ++cells;
+      if (!map.state.contains(row + dr, column + dc) || !map.measured(row + dr, column + dc)) continue;
+      const Eigen::Vector3d place(dc * map.cell_m, dr * map.cell_m, 1.0);
+      points.emplace_back(place, map.elevation_m(row + dr, column + dc));
+      products += place * place.transpose();
+      sums += place * points.back().second;
+    }
+  if (points.size() < 6 || static_cast<double>(points.size()) < kLeastShare * cells) return false;
+  const Eigen::Vector3d plane = products.ldlt().solve(sums);
+  if (!(plane.head<2>().norm() <= kSteepest)) return false;
+  return std::all_of(points.begin(), points.end(),
+                     [&](const auto& point) { return std::abs(plane.dot(point.first) - point.second) < kAside_m; });
+}
+
 inline void print_cost_heading() {
   std::puts("| measured cells of | n | cost < 64, % | 64 … 253, % | lethal, % |\n|---|---|---|---|---|");
 }
 
 /// What the measured cells of a written map cost, of those that `chosen(row, column)` takes.
 template <class Chosen>
-void print_costs(const std::string& name, const fs::path& base, const Chosen& chosen) {
+void print_cost_row(const std::string& name, const fs::path& base, const Map& map, const Chosen& chosen) {
   const auto cost = must(io::read_npy(base.string() + ".cost.npy"));
-  const auto state = must(io::read_npy(base.string() + ".cell_state.npy"));
   std::size_t n = 0, low = 0, lethal = 0;
   for (int row = 0; row < cost.rows(); ++row)
     for (int column = 0; column < cost.columns(); ++column) {
-      if (state(row, column) != static_cast<float>(CellState::measured) || !chosen(row, column)) continue;
+      if (!map.measured(row, column) || !chosen(row, column)) continue;
       ++n;
       low += cost(row, column) < 64.0F ? 1U : 0U;
       lethal += cost(row, column) == 254.0F ? 1U : 0U;
@@ -91,6 +119,12 @@ void print_costs(const std::string& name, const fs::path& base, const Chosen& ch
   const auto share = [n](std::size_t k) { return 100.0 * static_cast<double>(k) / static_cast<double>(n); };
   std::printf("| %s | %zu | %.1f | %.1f | %.1f |\n", name.c_str(), n, share(low), share(n - low - lethal),
               share(lethal));
+}
+
+inline void print_costs(const std::string& name, const fs::path& base) {
+  const Map map = read_map(base);
+  print_cost_row(name, base, map, [](int, int) { return true; });
+  print_cost_row(name + ", plain ground", base, map, [&](int row, int column) { return is_plain(map, row, column); });
 }
 
 /// Signed errors; every figure of none of them is NaN.
