@@ -14,13 +14,14 @@ std::uint8_t cell_cost(const CellRisk& cell, const CostConfig& config) {
   const auto risk = static_cast<double>(cell.risk), tail = std::min(static_cast<double>(cell.tail), 1.0);
   if (risk >= config.lethal_risk) return kCostLethal;
   const auto scaled = static_cast<std::uint8_t>(std::lround(kCostMax * (risk + (1.0 - risk) * 0.5 * tail * tail)));
-  const std::uint8_t of_state = cell.state == CellState::reconstructed ? config.unmeasured_floor : kCostFree;
+  const bool unmeasured = cell.state == CellState::reconstructed || cell.on_unknown;
+  const std::uint8_t of_state = unmeasured ? config.unmeasured_floor : kCostFree;
   return std::max({scaled, of_state, cell.roughness_known ? kCostFree : kUnknownRoughnessFloor});
 }
 
-std::uint8_t guarded_cost(CellState state, std::uint8_t verdict, std::uint8_t& lethal) {
-  if (state == CellState::measured) lethal = verdict == kCostLethal ? 1 : 0;
-  return lethal != 0 && verdict != kCostLethal ? kCostUnknown : verdict;
+std::uint8_t guarded_cost(CellState state, std::uint8_t verdict, bool& lethal) {
+  if (state == CellState::measured && verdict != kCostUnknown) lethal = verdict == kCostLethal;
+  return lethal && verdict != kCostLethal ? kCostUnknown : verdict;
 }
 
 }  // namespace scree::mapping

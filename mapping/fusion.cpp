@@ -9,6 +9,7 @@ namespace scree::mapping {
 namespace {
 
 constexpr float kPooledHits = 200.0F;  // the relief forgets beyond this many returns
+constexpr float kInsist_s = 3.0F;      // a few frames of the slowest scanners
 
 void replace(const GroundReturn& frame, MapCell& cell) {
   cell.height_m = frame.height_m;
@@ -44,6 +45,14 @@ void average(const GroundReturn& frame, float stored_m2, float frame_m2, MapCell
   cell.contradictions = 0;
 }
 
+/// A cell that holds nothing takes what the ground around refuses once kFramesToReplace frames have said so, none of
+/// them long after the last: mixed pixels minutes apart are no surface.
+bool insists(std::uint32_t now_ms, MapCell& cell) {
+  if (age_s(now_ms, cell.fused_ms) > kInsist_s) cell.contradictions = 0;
+  cell.fused_ms = now_ms;
+  return ++cell.contradictions >= kFramesToReplace;
+}
+
 }  // namespace
 
 FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, MapCell& cell) {
@@ -51,6 +60,8 @@ FusionCounts fuse_cell(const GroundReturn& frame, const GroundConfig& config, Ma
   FusionCounts counts;
   counts.other_surface = static_cast<std::uint64_t>(frame.others);
   if (frame.bottom_m - cell.ceiling_m >= config.overhang_m) {  // rays passed below: a crown, a bridge
+    const bool stored_too = cell.measured() && cell.height_m - cell.ceiling_m >= config.overhang_m;
+    if (stored_too && ++cell.seen_through >= kFramesToForget) cell.forget_height();
     counts.other_surface += hits;
     return counts;
   }
@@ -88,7 +99,7 @@ FusionCounts Fusion::fuse_row(FrameReturns& frame, int row, std::uint32_t now_ms
   for (const CellReturn& seen : frame.of_row(row)) {
     MapCell& cell = map(seen.row, seen.column);
     const auto hits = static_cast<std::uint64_t>(seen.ground.hits);
-    if (!cell.measured() && gate_.refused(seen.row, seen.column) && ++cell.contradictions < kFramesToReplace) {
+    if (!cell.measured() && gate_.refused(seen.row, seen.column) && !insists(now_ms, cell)) {
       counts.outlier += hits;
       counts.unsupported += hits;
       counts.other_surface += static_cast<std::uint64_t>(seen.ground.others);

@@ -21,6 +21,10 @@ struct FusionCounts {
   std::uint64_t other_surface = 0;  ///< canopy, overhang, or the other side of an edge inside the cell
 };
 
+/// A stored height that lies overhang_m or more above what rays of this many frames passed below is no ground and is
+/// forgotten; so is one that they pass below without hitting the cell (visibility.hpp).
+inline constexpr int kFramesToForget = 5;
+
 /// A stored height that frames contradict this many times in a row is replaced by what they say.
 inline constexpr int kFramesToReplace = 3;
 /// One frame is enough when it has this many times the returns that the stored height rests on: a few mixed pixels that

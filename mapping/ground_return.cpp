@@ -69,7 +69,7 @@ GroundReturn ground_return(std::span<float> heights_m, std::span<const float> va
   if (*highest - *lowest > gap_m) {
     std::sort(heights_m.begin(), heights_m.end());
     choice = choose(heights_m, gap_m, variance_m2, stored, config);
-    out.bottom_m = heights_m[choice.chosen.begin];
+    out.bottom_m = heights_m[choice.below_overhang.begin];
   }
   out.height_m = mean_of(heights_m.subspan(choice.chosen.begin, choice.chosen.size()));
   out.hits = static_cast<int>(choice.chosen.size());

@@ -21,7 +21,7 @@ struct StoredHeight {
 
 struct GroundReturn {
   float height_m = 0.0F;            ///< mean of the chosen surface
-  float bottom_m = 0.0F;            ///< its lowest return
+  float bottom_m = 0.0F;            ///< lowest return of all that is below the overhang, ground level included
   float noise_variance_m2 = 0.0F;   ///< of the mean: independent range noise
   float shared_variance_m2 = 0.0F;  ///< of the mean: errors that the whole frame shares (filled by FrameReturns)
   float place_variance_m2 = 0.0F;   ///< of a single return: see MapCell (filled by FrameReturns)

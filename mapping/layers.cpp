@@ -59,8 +59,7 @@ Layers::Layers(const MapConfig& config)
       law_field_(config.cell_m),
       elevation_(elevation_config(config)),
       shape_(shape_config(config)),
-      footprint_risk_(risk_config(config)),
-      lethal_(config.size_cells, config.size_cells, 0) {}
+      footprint_risk_(risk_config(config)) {}
 
 // On a slope the places of a cell's few returns are noise of its height: slope² · cell² / 12 for one return.
 void Layers::estimate_roughness(const LatticeWindow& window, Executor& executor) {
@@ -90,7 +89,7 @@ fractal::Reconstruction* Layers::reconstruct(const RollingGrid<MapCell>& map, Ex
   return elevation_.update(ground_, window, law_field_.law(), *closed_, executor);
 }
 
-void Layers::judge_risk(const fractal::Reconstruction& filled, Executor& executor) {
+void Layers::judge_risk(const fractal::Reconstruction& filled, const Grid<CellState>& state, Executor& executor) {
   const int rows = closed_->rows(), columns = closed_->columns();
   face_m2_.reshape(rows, columns);
   for_rows(executor, rows, [&](int begin, int end) {
@@ -101,7 +100,7 @@ void Layers::judge_risk(const fractal::Reconstruction& filled, Executor& executo
                                         hits * ground_.noise_variance_m2(row, column), hits);
       }
   });
-  footprint_risk_.update(filled.draws_m, {law_field_.relief_m2(), face_m2_}, *closed_, executor, risk_);
+  footprint_risk_.update(filled.draws_m, {law_field_.relief_m2(), face_m2_, state}, *closed_, executor, risk_);
 }
 
 void Layers::shape_outputs(MapSnapshot& out) const {
@@ -115,12 +114,11 @@ void Layers::shape_outputs(MapSnapshot& out) const {
   out.dimension_flags.assign(rows, columns, fractal::kTooLittleData);
 }
 
-void Layers::compute(const RollingGrid<MapCell>& map, std::uint32_t now_ms, Executor& executor, StageClock& clock,
+void Layers::compute(RollingGrid<MapCell>& map, std::uint32_t now_ms, Executor& executor, StageClock& clock,
                      MapSnapshot& out) {
   const LatticeWindow& window = map.window();
   ground_.unroll(map, config_.cell_m, executor, now_ms);
   out.cell_age_s = ground_.cell_age_s;
-  lethal_.roll_to(window.min);
   closed_ = &states_.close(ground_, executor);
   estimate_roughness(window, executor);
   clock.lap(Stage::roughness);
@@ -129,11 +127,11 @@ void Layers::compute(const RollingGrid<MapCell>& map, std::uint32_t now_ms, Exec
   states_.classify(ground_, filled, executor, out.state, out.elevation_m);
   shape_.update(out.elevation_m, ground_.noise_variance_m2, ground_.relief_m2, executor, out.slope_rad, out.step_m);
   clock.lap(Stage::shape);
-  if (filled != nullptr) judge_risk(*filled, executor);
+  if (filled != nullptr) judge_risk(*filled, out.state, executor);
   clock.lap(Stage::risk);
   shape_outputs(out);
   for_rows(executor, window.rows, [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) publish_row(row, filled, out);
+    for (int row = begin; row < end; ++row) publish_row(row, filled, map, out);
   });
   hand_over(filled, out);
   clock.lap(Stage::publish);
@@ -159,7 +157,7 @@ float Layers::sigma_m(int row, int column, const fractal::Reconstruction* filled
   return std::sqrt(sd_m * sd_m + hidden_m2);
 }
 
-void Layers::publish_row(int row, const fractal::Reconstruction* filled, MapSnapshot& out) {
+void Layers::publish_row(int row, const fractal::Reconstruction* filled, RollingGrid<MapCell>& map, MapSnapshot& out) {
   for (int column = 0; column < out.window.columns; ++column) {
     CellRisk cell;
     cell.state = out.state(row, column);
@@ -179,8 +177,9 @@ void Layers::publish_row(int row, const fractal::Reconstruction* filled, MapSnap
     if (filled != nullptr && (measured || cell.state == CellState::reconstructed)) {
       cell.risk = out.risk(row, column) = risk_.worst(row, column);
       cell.tail = risk_.tail(row, column);
+      cell.on_unknown = risk_.on_unknown(row, column) > 0.0F;
     }
-    out.cost(row, column) = guarded_cost(cell.state, cell_cost(cell, config_.cost), lethal_(row, column));
+    out.cost(row, column) = guarded_cost(cell.state, cell_cost(cell, config_.cost), map(row, column).lethal);
   }
 }
 

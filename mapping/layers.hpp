@@ -19,22 +19,23 @@
 namespace scree::mapping {
 
 /// Roughness, reconstruction, states, shape, risk and cost, in this order. Computed once per frame: the laws, the
-/// reconstruction's warm start and what is remembered of lethal cells advance with frames, never with readers.
+/// reconstruction's warm start and what cells remember of having been lethal advance with frames, never with readers.
 class Layers {
  public:
   explicit Layers(const MapConfig& config);
   /// Sets every grid of `out`. `now_ms`: see GroundLayers::unroll.
-  void compute(const RollingGrid<MapCell>& map, std::uint32_t now_ms, Executor& executor, StageClock& clock,
+  /// The cells' memory of having been lethal is kept in `map`.
+  void compute(RollingGrid<MapCell>& map, std::uint32_t now_ms, Executor& executor, StageClock& clock,
                MapSnapshot& out);
 
  private:
   void estimate_roughness(const LatticeWindow& window, Executor& executor);
   fractal::Reconstruction* reconstruct(const RollingGrid<MapCell>& map, Executor& executor);
-  void judge_risk(const fractal::Reconstruction& filled, Executor& executor);
+  void judge_risk(const fractal::Reconstruction& filled, const Grid<CellState>& state, Executor& executor);
   void shape_outputs(MapSnapshot& out) const;
   void hand_over(fractal::Reconstruction* filled, MapSnapshot& out);
   float sigma_m(int row, int column, const fractal::Reconstruction* filled) const;
-  void publish_row(int row, const fractal::Reconstruction* filled, MapSnapshot& out);
+  void publish_row(int row, const fractal::Reconstruction* filled, RollingGrid<MapCell>& map, MapSnapshot& out);
 
   MapConfig config_;
   GroundLayers ground_;
@@ -52,7 +53,6 @@ class Layers {
   Grid<float> face_m2_;  ///< squared height of a face inside a cell
   FootprintRisk footprint_risk_;
   Risk risk_;
-  RollingGrid<std::uint8_t> lethal_;  ///< lethal when last measured
 };
 
 }  // namespace scree::mapping

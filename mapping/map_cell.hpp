@@ -17,16 +17,43 @@ struct MapCell {
   float relief_m2 = 0.0F;           ///< variance of single returns about the mean beyond their noise: slope, roughness
   std::uint16_t hits = 0;           ///< returns averaged, saturates
   std::uint8_t contradictions = 0;  ///< frames in a row whose returns disagreed, with the height or the ground around
-  std::uint8_t seen_through = 0;    ///< frames since the last hit whose rays passed below the height
+  std::uint8_t seen_through = 0;    ///< frames since the last fused return whose rays passed below the height
   bool shadowed = false;            ///< inside the shadow of a return, in some frame
-  std::uint32_t fused_ms = 0;       ///< when a return was last fused, on the mapper's clock (wraps in 49 days)
-  /// Lowest upper bound that rays have set on the ground here; +inf = no ray crossed the cell.
+  bool lethal = false;              ///< was lethal when it was last measured (cost.hpp)
+  bool crossed_twice = false;       ///< rays of two frames have set ceilings
+  /// When a return was last fused, on the mapper's clock (wraps in 49 days); of a cell that was never measured: when
+  /// one was last refused.
+  std::uint32_t fused_ms = 0;
+  /// Upper bound of the ground here: the second lowest that the rays of any frame have set, so that one stray return
+  /// far below the ground bounds nothing; the only one while only one frame's rays crossed. +inf = none did.
   float ceiling_m = std::numeric_limits<float>::infinity();
   /// Where the ground on the sensor's side would have continued, for the ray of `ceiling_m`; -inf = nothing to expect.
   float lip_m = -std::numeric_limits<float>::infinity();
+  float lowest_ceiling_m = std::numeric_limits<float>::infinity(), lowest_lip_m = 0.0F;  ///< of any frame
 
   bool measured() const { return hits > 0; }
+  void lower_ceiling(float frame_ceiling_m, float frame_lip_m);
+  void forget_height() {
+    hits = 0;
+    seen_through = 0;
+    contradictions = 0;
+  }
 };
+
+inline void MapCell::lower_ceiling(float frame_ceiling_m, float frame_lip_m) {
+  const bool lower = frame_ceiling_m < lowest_ceiling_m, first = std::isinf(lowest_ceiling_m);
+  if (first || (lower && crossed_twice)) {
+    ceiling_m = first ? frame_ceiling_m : lowest_ceiling_m;
+    lip_m = first ? frame_lip_m : lowest_lip_m;
+  } else if (!lower && (!crossed_twice || frame_ceiling_m < ceiling_m)) {
+    ceiling_m = frame_ceiling_m;
+    lip_m = frame_lip_m;
+  }  // else the second frame is the lower one: the first stays in force
+  crossed_twice = !first;
+  if (!lower) return;
+  lowest_ceiling_m = frame_ceiling_m;
+  lowest_lip_m = frame_lip_m;
+}
 
 // Errors that more returns do not average away: calibration, the systematic part of quantisation. What the simulated
 // scanners leave on near ground that hundreds of returns have met (docs/mapping.md).
@@ -34,8 +61,8 @@ inline constexpr float kSystematic_m = 0.002F;
 // Sub-cell relief, as a share of the cell's side, until the cell's own returns tell (counts like kReliefPriorHits).
 inline constexpr float kReliefPrior = 0.1F;
 inline constexpr float kReliefPriorHits = 2.0F;
-// Returns of one cell lie on few scan lines, and on what stands out of rough ground: beyond this many, more returns tell
-// no more of the cell's mean (docs/mapping.md).
+// Returns of one cell lie on few scan lines, and on what stands out of rough ground: beyond this many, more returns
+// tell no more of the cell's mean (docs/mapping.md).
 inline constexpr int kIndependentPlaces = 4;
 
 /// Variance of the mean of `hits` returns as an estimate of the cell's mean height: noise of the mean (its own and

@@ -146,6 +146,8 @@ void add_plane(const HeightPlane& plane, float variance_m2, double cell_m, Execu
         MapCell& cell = map(row, column);
         cell.ceiling_m += change_m;  // infinities stay
         cell.lip_m += change_m;
+        cell.lowest_ceiling_m += change_m;
+        cell.lowest_lip_m += change_m;
         if (!cell.measured()) continue;
         cell.height_m += change_m;
         cell.shared_variance_m2 += variance_m2;

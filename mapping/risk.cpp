@@ -24,16 +24,23 @@ std::vector<CellIndex> disc(double radius_cells) {
   return cells;
 }
 
+/// A wheel of radius r over a gap of width w < 2r sinks by r − √(r² − w²/4); over a wider one it falls in.
+int gap_cells(const VehicleConfig& vehicle, double cell_m) {
+  const double r = vehicle.wheel_radius_m, left = std::max(r - vehicle.max_step_m, 0.0);
+  return std::max(1, static_cast<int>(std::ceil(2.0 * std::sqrt(r * r - left * left) / cell_m - 1e-9)));
+}
+
 }  // namespace
 
 FootprintRisk::FootprintRisk(const RiskConfig& config)
     : config_(config),
       footprints_(footprints(config.vehicle, config.cell_m, config.headings)),
       reach_(reach_cells(footprints_)),
+      gap_cells_(gap_cells(config.vehicle, config.cell_m)),
       disc_(disc(config.vehicle.wheel_radius_m / config.cell_m)) {}
 
 /// Step load and tops of a row of one draw. Differences to cells beyond the border count for nothing.
-void FootprintRisk::prepare_row(const Grid<float>& draw_m, const InsideCells& inside, int row, Grid<float>& step,
+void FootprintRisk::prepare_row(const Grid<float>& draw_m, const BesideHeights& beside, int row, Grid<float>& step,
                                 Grid<float>& tops_m) const {
   const int columns = draw_m.columns();
   float* best = step.row(row).data();
@@ -45,10 +52,36 @@ void FootprintRisk::prepare_row(const Grid<float>& draw_m, const InsideCells& in
                                 end - begin, best + begin);
   }
   const auto scale = static_cast<float>(1.0 / config_.vehicle.max_step_m);
-  risk_rows::step_load(inside.relief_m2.row(row).data(), kStepRelief, inside.face_m2.row(row).data(), scale, columns,
+  risk_rows::step_load(beside.relief_m2.row(row).data(), kStepRelief, beside.face_m2.row(row).data(), scale, columns,
                        best);
-  risk_rows::add_peaks(draw_m.row(row).data(), inside.relief_m2.row(row).data(), kPeak, columns,
-                       tops_m.row(row).data());
+  for (int column = 0; column < columns; ++column)
+    if (sinks(beside.state, row, column)) best[column] = kMostLoad;
+  risk_rows::add_peaks(draw_m.row(row).data(), beside.relief_m2.row(row).data(), kPeak * kPeak,
+                       beside.face_m2.row(row).data(), columns, tops_m.row(row).data());
+}
+
+bool FootprintRisk::sinks(const Grid<CellState>& state, int row, int column) const {
+  if (state(row, column) != CellState::possible_drop) return false;
+  const auto known = [&](int r, int c) {
+    return state.contains(r, c) && (state(r, c) == CellState::measured || state(r, c) == CellState::reconstructed);
+  };
+  const auto open = [&](int top, int left) {
+    for (int r = top; r < top + gap_cells_; ++r)
+      for (int c = left; c < left + gap_cells_; ++c)
+        if (known(r, c)) return false;
+    return true;
+  };
+  for (int top = row - gap_cells_ + 1; top <= row; ++top)
+    for (int left = column - gap_cells_ + 1; left <= column; ++left)
+      if (open(top, left)) return true;
+  return false;
+}
+
+void FootprintRisk::note_unknown_row(const Grid<CellState>& state, int row) {
+  for (int column = 0; column < state.columns(); ++column) {
+    const CellState of = state(row, column);
+    unknown_(row, column) = of == CellState::never_seen || of == CellState::occluded ? 1.0F : 0.0F;
+  }
 }
 
 void FootprintRisk::risk_block(const std::vector<Grid<float>>& draws_m, int row, int column, int count,
@@ -56,10 +89,12 @@ void FootprintRisk::risk_block(const std::vector<Grid<float>>& draws_m, int row,
   const VehicleConfig& vehicle = config_.vehicle;
   const risk_rows::Limits limits{static_cast<float>(1.0 / std::tan(vehicle.max_pitch_rad)),
                                  static_cast<float>(1.0 / std::tan(vehicle.max_roll_rad)),
-                                 static_cast<float>(1.0 / vehicle.clearance_m)};
+                                 static_cast<float>(1.0 / vehicle.clearance_m), kMostLoad,
+                                 1.0F / (std::sqrt(12.0F) * kModelError)};
   float *worst = out.worst.row(row).data() + column, *tail = out.tail.row(row).data() + column;
   std::fill_n(worst, count, 0.0F);
   std::fill_n(tail, count, 0.0F);
+  std::fill_n(out.on_unknown.row(row).data() + column, count, 0.0F);
   // draw by draw, so that its rows stay in the first cache for all headings (docs/mapping.md)
   constexpr std::size_t kTogether = 8;
   std::array<risk_rows::Sums, kTogether> sums;
@@ -70,9 +105,12 @@ void FootprintRisk::risk_block(const std::vector<Grid<float>>& draws_m, int row,
       for (std::size_t h = 0; h < headings; ++h)
         risk_rows::add_loads(footprints_[first + h], limits, {draws_m[k], tops_m_[k], steps_[k]}, row, column, count,
                              sums[h]);
-    for (std::size_t h = 0; h < headings; ++h)
+    for (std::size_t h = 0; h < headings; ++h) {
       risk_rows::finish(sums[h], static_cast<int>(draws_m.size()), kModelError, count,
                         out.sector[first + h].row(row).data() + column, worst, tail);
+      risk_rows::raise_under_wheels(footprints_[first + h], unknown_, row, column, count,
+                                    out.on_unknown.row(row).data() + column);
+    }
   }
 }
 
@@ -93,20 +131,22 @@ void FootprintRisk::risk_row(const std::vector<Grid<float>>& draws_m, const Grid
   }
 }
 
-void FootprintRisk::update(const std::vector<Grid<float>>& draws_m, const InsideCells& inside,
+void FootprintRisk::update(const std::vector<Grid<float>>& draws_m, const BesideHeights& beside,
                            const Grid<std::uint8_t>& asked, Executor& executor, Risk& out) {
   const int rows = asked.rows(), columns = asked.columns();
   out.sector.resize(footprints_.size());
   for (Grid<float>& grid : out.sector) grid.assign(rows, columns, kUnknown);
-  for (Grid<float>* grid : {&out.worst, &out.tail}) grid->assign(rows, columns, kUnknown);
+  for (Grid<float>* grid : {&out.worst, &out.tail, &out.on_unknown}) grid->assign(rows, columns, kUnknown);
   if (rows <= 2 * reach_ || columns <= 2 * reach_) return;
   for (std::vector<Grid<float>>* grids : {&steps_, &tops_m_}) {
     grids->resize(draws_m.size());
     for (Grid<float>& grid : *grids) grid.reshape(rows, columns);
   }
+  unknown_.reshape(rows, columns);
   const auto prepare = [&](int begin, int end) {
+    for (int row = begin; row < end; ++row) note_unknown_row(beside.state, row);
     for (std::size_t k = 0; k < draws_m.size(); ++k)
-      for (int row = begin; row < end; ++row) prepare_row(draws_m[k], inside, row, steps_[k], tops_m_[k]);
+      for (int row = begin; row < end; ++row) prepare_row(draws_m[k], beside, row, steps_[k], tops_m_[k]);
   };
   for_rows(executor, rows, prepare);
   const auto risks = [&](int begin, int end) {

@@ -69,13 +69,15 @@ SCREE_CLONES void raise_belly(const Places& p, const Stand& stand, int n, float*
 SCREE_CLONES void take_loads(const float* __restrict belly, const float* __restrict along,
                              const float* __restrict across, const float* __restrict step, Limits limits, int n,
                              float* __restrict sum, float* __restrict square, float* __restrict first,
-                             float* __restrict second) {
+                             float* __restrict second, float* __restrict violations) {
   for (int i = 0; i < n; ++i) {
     const float pitch = (along[i] < 0.0F ? -along[i] : along[i]) * limits.pitch;
     const float roll = (across[i] < 0.0F ? -across[i] : across[i]) * limits.roll;
     const float clearance = belly[i] * limits.clearance_m;
     const float tilt = pitch > roll ? pitch : roll, height = clearance > step[i] ? clearance : step[i];
-    const float load = tilt > height ? tilt : height;
+    const float largest = tilt > height ? tilt : height, load = largest < limits.most ? largest : limits.most;
+    const float beyond = (load - 1.0F) * limits.sharpness + 0.5F, some = beyond > 0.0F ? beyond : 0.0F;
+    violations[i] += some < 1.0F ? some : 1.0F;
     sum[i] += load;
     square[i] += load * load;
     const float lower = load < first[i] ? load : first[i];
@@ -103,11 +105,12 @@ SCREE_CLONES void step_load(const float* relief_m2, float share, const float* fa
   }
 }
 
-SCREE_CLONES void add_peaks(const float* draw_m, const float* relief_m2, float factor, int n, float* tops_m) {
+SCREE_CLONES void add_peaks(const float* __restrict draw_m, const float* __restrict relief_m2, float share,
+                            const float* __restrict face_m2, int n, float* __restrict tops_m) {
   for (int i = 0; i < n; ++i) {
     float log;
-    fractal::fast_log<float, std::int32_t>(relief_m2[i] + 1e-20F, log);
-    tops_m[i] = draw_m[i] + factor * fractal::fast_exp(0.5F * log);
+    fractal::fast_log<float, std::int32_t>(share * relief_m2[i] + face_m2[i] + 1e-20F, log);
+    tops_m[i] = draw_m[i] + fractal::fast_exp(0.5F * log);
   }
 }
 
@@ -138,11 +141,22 @@ void add_loads(const Footprint& footprint, const Limits& limits, const Surface& 
     raise_belly(places, stand, n, belly.data());
   }
   take_loads(belly.data(), stand.along.data(), stand.across.data(), stand.step.data(), limits, n, sums.sum.data(),
-             sums.square.data(), sums.first.data(), sums.second.data());
+             sums.square.data(), sums.first.data(), sums.second.data(), sums.violations.data());
 }
 
-SCREE_CLONES void finish(const Sums& sums, int draws, float model_error, int n, float* probability, float* worst,
-                         float* tail) {
+void raise_under_wheels(const Footprint& footprint, const Grid<float>& of, int row, int column, int n, float* best) {
+  OfWheels under;
+  for (std::size_t w = 0; w < footprint.wheels.size(); ++w) {
+    const CellIndex& offset = footprint.wheels[w].offset;
+    under[w] = of.row(row + offset.y).data() + column + offset.x;
+  }
+  alignas(64) Line most;
+  largest(under[0], under[1], under[2], under[3], n, most.data());
+  for (int i = 0; i < n; ++i) best[i] = std::max(best[i], most[static_cast<std::size_t>(i)]);
+}
+
+SCREE_CLONES void finish(const Sums& sums, int draws, float model_error, int n, float* __restrict probability,
+                         float* __restrict worst, float* __restrict tail) {
   const auto k = static_cast<float>(draws);
   const float spread = (1.0F + 1.0F / k) * k / (k - 1.0F);
   const auto i_of = [](int i) { return static_cast<std::size_t>(i); };
@@ -155,7 +169,8 @@ SCREE_CLONES void finish(const Sums& sums, int draws, float model_error, int n, 
     float z = (mean - 1.0F) * fractal::fast_exp(-0.5F * log);
     z = z < -6.0F ? -6.0F : z > 6.0F ? 6.0F : z;
     // Φ(z) to 2e-4: a logistic curve in z and z³ (Bowling et al. 2009)
-    const float p = 1.0F / (1.0F + fractal::fast_exp(-z * (1.5976F + 0.07056F * z * z)));
+    const float normal = 1.0F / (1.0F + fractal::fast_exp(-z * (1.5976F + 0.07056F * z * z)));
+    const float share = sums.violations[i_of(i)] / k, p = normal > share ? normal : share;
     const float pair = 0.5F * (sums.first[i_of(i)] + sums.second[i_of(i)]);
     probability[i] = p;
     worst[i] = p > worst[i] ? p : worst[i];

@@ -10,6 +10,7 @@ namespace scree::mapping {
 namespace {
 
 constexpr float kSeenThroughSigmas = 5.0F;
+constexpr float kHalfDiagonal = 0.7072F;  // a ray may cross a cell from corner to corner
 
 PolarConfig polar_config(const VisibilityConfig& config) {
   PolarConfig polar;
@@ -28,12 +29,10 @@ std::size_t piece_end(const PointFrame& frame, std::size_t begin, float cell_m) 
 }
 
 void lower_ceiling(const RaySight& sight, float distance_m, float sensor_z_m, float cell_m, MapCell& cell) {
-  const float half_m = 0.5F * cell_m;
+  const float half_m = kHalfDiagonal * cell_m;
   const float highest_at_m = sight.ceiling_slope < 0.0F ? distance_m - half_m : distance_m + half_m;
   const float ceiling_m = sensor_z_m + sight.ceiling_slope * highest_at_m;
-  if (ceiling_m >= cell.ceiling_m) return;
-  cell.ceiling_m = ceiling_m;
-  cell.lip_m = sensor_z_m + sight.lip_m;
+  cell.lower_ceiling(ceiling_m, sensor_z_m + sight.lip_m);
 }
 
 }  // namespace
@@ -114,9 +113,7 @@ void Visibility::update(const PointFrame& frame, const CellPoints& points, const
       if (passed_[i] == 0) continue;
       MapCell& cell = map(row, column);
       if (++cell.seen_through < kFramesToForget) continue;
-      cell.hits = 0;
-      cell.seen_through = 0;
-      cell.contradictions = 0;
+      cell.forget_height();
     }
   }
 }

@@ -8,6 +8,7 @@
 #include "drivers/frame/point_frame.hpp"
 #include "mapping/alignment_report.hpp"
 #include "mapping/cell_points.hpp"
+#include "mapping/fusion.hpp"
 #include "mapping/map_cell.hpp"
 #include "mapping/polar_rays.hpp"
 
@@ -21,11 +22,9 @@ struct VisibilityConfig {
   float margin_m = 0.2F;
 };
 
-/// A height through which the rays of this many frames in a row have passed is forgotten: what stood there has moved.
-inline constexpr int kFramesToForget = 5;
-
-/// Keeps, per cell of the map, the lowest ceiling that rays have set, the ground expected there, and shadows; forgets
-/// heights that rays see through. A frame whose sensor moves by more than a cell is taken in pieces of rows, each with
+/// Keeps, per cell of the map, the ceiling that rays have set, the ground expected there, and shadows; forgets heights
+/// that the rays of kFramesToForget frames see through: what stood there has moved. A frame whose sensor moves by more
+/// than a cell is taken in pieces of rows, each with
 /// its own origin. Cost: O(points + pieces · cells).
 class Visibility {
  public:

@@ -36,8 +36,9 @@ TEST(Cost, IsLethalFromTheConfiguredRiskOn) {
   EXPECT_EQ(cell_cost(cell(0.3F, 0.1F), {.lethal_risk = 0.3}), kCostLethal);
 }
 
-TEST(Cost, GroundThatSurelyTakesAllOfALimitCostsHalf) {
-  EXPECT_EQ(cell_cost(cell(0.0F, 1.0F), {}), kCostMax / 2);
+// All of a limit in every draw is a coin toss.
+TEST(Cost, GroundThatTakesAllOfALimitCostsThreeQuarters) {
+  EXPECT_EQ(cell_cost(cell(0.5F, 1.0F), {}), kCostMax * 3 / 4);
 }
 
 TEST(Cost, UnseenGroundIsUnknownAndAPossibleDropIsLethal) {
@@ -53,17 +54,25 @@ TEST(Cost, UnmeasuredGroundIsNeverCheaperThanTheFloor) {
   EXPECT_GT(cell_cost(cell(0.4F, 1.0F, CellState::reconstructed), {}), CostConfig{}.unmeasured_floor);
 }
 
+TEST(Cost, AWheelOnUnknownGroundCountsAsUnmeasured) {
+  CellRisk rim = cell(0, 0, CellState::measured);
+  rim.on_unknown = true;
+  EXPECT_EQ(cell_cost(rim, {.unmeasured_floor = 90}), 90);
+}
+
 TEST(Cost, UnknownRoughnessIsNeverFree) {
   EXPECT_EQ(cell_cost({CellState::measured, 0.0F, 0.0F, false}, {}), kUnknownRoughnessFloor);
 }
 
 TEST(Cost, LethalDecaysToUnknownAndIsForgottenOnlyWhenMeasuredAnew) {
-  std::uint8_t lethal = 0;
+  bool lethal = false;
   EXPECT_EQ(guarded_cost(CellState::reconstructed, 70, lethal), 70);
   EXPECT_EQ(guarded_cost(CellState::measured, kCostLethal, lethal), kCostLethal);
   EXPECT_EQ(guarded_cost(CellState::reconstructed, 70, lethal), kCostUnknown);
   EXPECT_EQ(guarded_cost(CellState::possible_drop, kCostLethal, lethal), kCostLethal);
   EXPECT_EQ(guarded_cost(CellState::occluded, kCostUnknown, lethal), kCostUnknown);
+  EXPECT_EQ(guarded_cost(CellState::measured, kCostUnknown, lethal), kCostUnknown);  // not judged: at the border
+  EXPECT_TRUE(lethal);
   EXPECT_EQ(guarded_cost(CellState::measured, 12, lethal), 12);
   EXPECT_EQ(guarded_cost(CellState::reconstructed, 70, lethal), 70);
 }

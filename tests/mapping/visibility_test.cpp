@@ -28,8 +28,8 @@ class Scene {
   void look(const PointFrame& frame, Executor& executor) {
     points_.sort(frame, map_.window(), kCell_m, executor);
     returns_.gather(frame, {}, points_, map_, GroundConfig{}, executor);
-    fusion_.fuse(returns_, 0, GateLaw(), executor, map_);
     visibility_.update(frame, points_, {}, executor, map_);
+    fusion_.fuse(returns_, 0, GateLaw(), executor, map_);
   }
   void look(const test::Height& ground, double azimuth_half = 0.5, int azimuths = 220, int elevations = 200) {
     SerialExecutor serial;
