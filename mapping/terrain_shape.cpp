@@ -27,8 +27,9 @@ SCREE_CLONES void raise_step(const float* here, const float* here_variance, cons
 }
 
 // Moments about column x of the cells x − radius … x + radius.
-SCREE_CLONES void row_moments(const float* known, const float* z, int radius, int n, float* sum, float* sum_x,
-                              float* sum_xx, float* sum_z, float* sum_zx) {
+SCREE_CLONES void row_moments(const float* __restrict known, const float* __restrict z, int radius, int n,
+                              float* __restrict sum, float* __restrict sum_x, float* __restrict sum_xx,
+                              float* __restrict sum_z, float* __restrict sum_zx) {
   for (int offset = -radius; offset <= radius; ++offset) {
     const auto o = static_cast<float>(offset);
     for (int x = 0; x < n; ++x) {
