@@ -50,6 +50,7 @@ const std::map<std::string, Rule> kAdapters{
     {"io/opencv_file.hpp", {{}, {"opencv2/"}}},
     {"fractal/fourier.cpp", {{}, {"unsupported/Eigen/FFT"}}},
     {"drivers/terrain_load.cpp", {{"fractal"}, {}}},
+    {"drivers/checksum.cpp", {{}, {"zlib.h"}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
 };
 
