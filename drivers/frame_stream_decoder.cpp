@@ -50,6 +50,7 @@ std::optional<Message> Decoder::next(std::span<const std::uint8_t>& bytes) {
     const auto payload = held_bytes().subspan(kHeaderBytes, header.payload_bytes);
     if (crc32_of(payload) != header.payload_crc) {
       ++counters_.payload_crc;
+      if (header.type == MessageType::frame) ++counters_.frame_payload_crc;
       skip(kHeaderBytes);  // a header that is whole holds no other; its payload may
       continue;
     }
@@ -70,7 +71,7 @@ bool Decoder::fill(std::size_t need, std::span<const std::uint8_t>& bytes) {
   if (held() >= need) return true;
   if (begin_ == end_) begin_ = end_ = 0;
   if (begin_ + need > buffer_.size()) {
-    std::memmove(buffer_.data(), buffer_.data() + begin_, held());
+    if (held() > 0) std::memmove(buffer_.data(), buffer_.data() + begin_, held());
     end_ -= std::exchange(begin_, 0);
     if (need > buffer_.size()) buffer_.resize(need);
   }

@@ -27,6 +27,7 @@ struct DecoderCounters {
   std::uint64_t version = 0;
   std::uint64_t oversize = 0;
   std::uint64_t payload_crc = 0;
+  std::uint64_t frame_payload_crc = 0;  ///< among them: of a FRAME
 };
 
 /// Holds at most one message; its buffer grows to the largest one that a good header announced and stays.

@@ -51,6 +51,7 @@ const std::map<std::string, Rule> kAdapters{
     {"fractal/fourier.cpp", {{}, {"unsupported/Eigen/FFT"}}},
     {"drivers/terrain_load.cpp", {{"fractal"}, {}}},
     {"drivers/checksum.cpp", {{}, {"zlib.h"}}},
+    {"drivers/stream_socket.cpp", {{}, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/inet.h", "poll.h"}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
 };
 

@@ -80,6 +80,13 @@ def vectors():
     yield "frame_scanner", "GEOMETRY and FRAME 0 of a 3 x 4 CMU scanner with reflectance at bit 16, two poses; simulated", scanner(0)
     yield "frame_lidar", "GEOMETRY and FRAME of a spherical 2 x 3 device without poses; the last sequence number there is", lidar()
     yield "frame_camera", "GEOMETRY and FRAME 7 of a pinhole 2 x 2 device, one pose at the frame's time; simulated", camera()
+    yield "drive_command", "Drive command 5: 0.75 m/s, curvature -0.5 / m", drive(BOOT, 5, 0.75, -0.5)
+
+
+def drive(boot, seq, speed, curvature):
+    head = b"SCDR" + struct.pack("<B3xQQff", 1, boot, seq, speed, curvature)
+    assert len(head) == 32
+    return head + struct.pack("<I", zlib.crc32(head))
 
 
 def write_corpus(folder):
@@ -96,6 +103,8 @@ def write_corpus(folder):
         return b"".join(struct.pack("<HB", len(m), command) + m for m in split(data))
 
     for name, _, data in vectors():
+        if not name.startswith("frame"):
+            continue
         (folder / name).write_bytes(session(data, 0))
     (folder / "drive").write_bytes(session(scanner(0) + scanner(1) + scanner(4), 0))
     (folder / "devices").write_bytes(session(scanner(0) + camera() + lidar() + scanner(1), 0))
@@ -105,8 +114,15 @@ def write_corpus(folder):
     (folder / "garbage").write_bytes(session(scanner(0), 0) + struct.pack("<HB", 9, 1) + b"SCF\xd3noise" + session(scanner(1), 0))
 
 
+def write_drive_corpus(folder):
+    """Seeds of the fuzz target `drive_command`: datagrams of 36 bytes one after the other."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "drive").write_bytes(drive(1, 1, 0.5, 0.0) + drive(1, 2, 0.5, 1.0) + drive(1, 2, 0.5, 1.0) + drive(2, 1, -1, 0))
+
+
 if __name__ == "__main__":
     for name, comment, data in vectors():
         lines = [data[i:i + 16].hex(" ") for i in range(0, len(data), 16)]
         (HERE / f"{name}.hex").write_text(f"# {comment}\n" + "\n".join(lines) + "\n")
     write_corpus(HERE.parent.parent / "fuzz/corpus/frame_stream")
+    write_drive_corpus(HERE.parent.parent / "fuzz/corpus/drive_command")
