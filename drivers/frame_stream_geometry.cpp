@@ -100,7 +100,7 @@ Status take_sensor(ByteReader& in, SensorConfig& sensor) {
   const auto x = in.take<double>(), y = in.take<double>(), z = in.take<double>(), w = in.take<double>();
   sensor.T_body_sensor.rotation = Eigen::Quaterniond(w, x, y, z);
   const double norm = sensor.T_body_sensor.rotation.norm();
-  if (!(t.cwiseAbs().maxCoeff() <= kMaxCoordinate_m && std::abs(norm - 1.0) <= 1e-3))
+  if (!(t.allFinite() && t.cwiseAbs().maxCoeff() <= kMaxCoordinate_m && std::abs(norm - 1.0) <= 1e-3))
     return wrong("T_body_sensor", "finite metres and a quaternion of norm 1",
                  fmt::format("({}, {}, {}), norm {}", t.x(), t.y(), t.z(), norm));
   if (std::abs(norm - 1.0) > 1e-12) sensor.T_body_sensor.rotation.normalize();  // kept to the last bit otherwise

@@ -170,7 +170,7 @@ bool FrameReader::read_poses() {
     for (int axis = 0; axis < 3; ++axis) t[axis] = in.take<double>();
     const auto x = in.take<double>(), y = in.take<double>(), z = in.take<double>(), w = in.take<double>();
     const Eigen::Quaterniond q(w, x, y, z);
-    if (!(t.cwiseAbs().maxCoeff() <= kMaxCoordinate_m && std::abs(q.norm() - 1.0) <= 1e-3))
+    if (!(t.allFinite() && t.cwiseAbs().maxCoeff() <= kMaxCoordinate_m && std::abs(q.norm() - 1.0) <= 1e-3))
       return refuse("pose", "metres within 1e8 and a quaternion of norm 1",
                     fmt::format("({}, {}, {}), norm {}", t.x(), t.y(), t.z(), q.norm()));
     if (!in_time(pose.time) || (!poses_.empty() && pose.time <= poses_.back().time))

@@ -77,6 +77,7 @@ TEST(StreamFrameReader, FieldsThatContradictTheTablesAreNamed) {
       {with<std::int64_t>(good, 32, INT64_MIN), Taken::bad_frame, "row times"},
       {with<std::int64_t>(good, second_pose, 0), Taken::bad_frame, "pose times"},
       {with<double>(good, second_pose + 8, 1e9), Taken::bad_frame, "pose: expected metres"},
+      {with<double>(good, second_pose + 16, std::nan("")), Taken::bad_frame, "pose: expected metres"},
       {with<double>(good, second_pose + 56, 0.0), Taken::bad_frame,
        "pose: expected metres within 1e8 and a quaternion"},
   };
@@ -151,6 +152,7 @@ TEST(StreamFrameReader, AGeometryThatContradictsItselfIsNamedAndHidesTheOneBefor
                                       {with<double>(good, 48, 0.0), "range_per_count_m"},
                                       {with<double>(good, 104, -1.0), "ambiguity_m"},
                                       {with<double>(good, 136, 9.0), "T_body_sensor"},
+        {with<double>(good, 120, std::nan("")), "T_body_sensor"},
                                       {with<double>(good, 168, std::nan("")), "noise and range limits"},
                                       {with<std::uint8_t>(good, 216, 7), "device"},
                                       {with<std::int64_t>(good, 16, -1), "row_period_ns"}}) {
