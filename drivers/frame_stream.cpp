@@ -18,7 +18,7 @@ bool is_name(const std::string& text) {
          std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c < 127; });
 }
 
-Status check(const Geometry& geometry) {
+Status check_geometry(const Geometry& geometry) {
   const ProjectionConfig& p = geometry.sensor.projection;
   const auto wrong = [](std::string_view what, const std::string& expected, const std::string& found) {
     return refused(ErrorKind::usage, what, expected, found);
@@ -83,7 +83,7 @@ void write_header(const Header& header, std::span<std::uint8_t> out) {
 }
 
 Result<Encoder> Encoder::make(const Geometry& geometry, std::uint64_t boot_id, bool simulated) {
-  if (const auto valid = check(geometry); !valid) return valid.error();
+  if (const auto valid = check_geometry(geometry); !valid) return valid.error();
   const ProjectionConfig& p = geometry.sensor.projection;
   Encoder encoder;
   encoder.geometry_ = encode_geometry(geometry);
@@ -99,7 +99,8 @@ Result<Encoder> Encoder::make(const Geometry& geometry, std::uint64_t boot_id, b
   return encoder;
 }
 
-Status Encoder::encode(const OutgoingFrame& frame, std::vector<std::uint8_t>& out) const {
+/// What the format cannot hold.
+Status Encoder::check(const OutgoingFrame& frame) const {
   const auto wrong = [](std::string_view what, std::size_t expected, std::size_t found) {
     return refused(ErrorKind::internal, what, fmt::to_string(expected), fmt::to_string(found));
   };
@@ -111,31 +112,40 @@ Status Encoder::encode(const OutgoingFrame& frame, std::vector<std::uint8_t>& ou
   if (largest(frame.raw) > largest_) return wrong("counts of at most", largest_, largest(frame.raw));
   if (word_bytes_ == 4 && (frame.reflectance.size() != pixels || largest(frame.reflectance) > kRangeBits))
     return wrong("reflectances up to 4095 in number", pixels, frame.reflectance.size());
+  return {};
+}
 
+Status Encoder::encode(const OutgoingFrame& frame, std::vector<std::uint8_t>& out) const {
+  if (auto possible = check(frame); !possible) return possible;
   out.clear();
   const std::size_t geometry_at = append_header(MessageType::geometry, frame.sequence, geometry_.size(), out);
   std::copy(geometry_.begin(), geometry_.end(), out.begin() + static_cast<std::ptrdiff_t>(geometry_at + kHeaderBytes));
   seal(geometry_at, out);
-  const std::size_t words_at = kFrameBytes + 8 * rows + kPoseBytes * frame.poses.size();
-  const std::size_t bytes = words_at + pixels * static_cast<std::size_t>(word_bytes_);
+  const std::size_t words_at = kFrameBytes + 8 * frame.row_time.size() + kPoseBytes * frame.poses.size();
+  const std::size_t bytes = words_at + frame.raw.size() * static_cast<std::size_t>(word_bytes_);
   const std::size_t frame_at = append_header(MessageType::frame, frame.sequence, bytes, out);
   const auto payload = std::span(out).subspan(frame_at + kHeaderBytes);
-  ByteWriter writer(payload);
-  writer.put(static_cast<std::uint16_t>(rows_));
-  writer.put(static_cast<std::uint16_t>(columns_));
-  writer.put(static_cast<std::uint8_t>(word_bytes_));
-  writer.fill(1);
-  writer.put(static_cast<std::uint16_t>(frame.poses.size()));
-  for (const Eigen::Vector3d& part : {frame.variance.position_m2, frame.variance.attitude_rad2})
-    for (int axis = 0; axis < 3; ++axis) writer.put(static_cast<float>(part[axis]));
-  for (const Time time : frame.row_time) writer.put(std::int64_t{time.time_since_epoch().count()});
-  for (const StampedPose& pose : frame.poses) put_pose(pose, writer);
+  put_frame(frame, payload);
   if (word_bytes_ == 2)
     put_range_words(frame.raw, payload.data() + words_at);
   else
     put_full_words(frame.raw, frame.reflectance, reflectance_shift_, payload.data() + words_at);
   seal(frame_at, out);
   return {};
+}
+
+/// All but the words.
+void Encoder::put_frame(const OutgoingFrame& frame, std::span<std::uint8_t> payload) const {
+  ByteWriter writer(payload);
+  writer.put(static_cast<std::uint16_t>(rows_));
+  writer.put(static_cast<std::uint16_t>(columns_));
+  writer.put(static_cast<std::uint8_t>(word_bytes_));
+  writer.fill(1);
+  writer.put(static_cast<std::uint16_t>(frame.poses.size()));
+  for (const Eigen::Vector3d* part : {&frame.variance.position_m2, &frame.variance.attitude_rad2})
+    for (int axis = 0; axis < 3; ++axis) writer.put(static_cast<float>((*part)[axis]));
+  for (const Time time : frame.row_time) writer.put(std::int64_t{time.time_since_epoch().count()});
+  for (const StampedPose& pose : frame.poses) put_pose(pose, writer);
 }
 
 /// Room for header and payload; the header's numbers but the CRCs.

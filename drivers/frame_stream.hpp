@@ -79,6 +79,8 @@ class Encoder {
 
  private:
   Encoder() = default;
+  Status check(const OutgoingFrame& frame) const;
+  void put_frame(const OutgoingFrame& frame, std::span<std::uint8_t> payload) const;
   std::size_t append_header(MessageType type, std::uint64_t sequence, std::size_t payload_bytes,
                             std::vector<std::uint8_t>& out) const;
   void seal(std::size_t header_at, std::vector<std::uint8_t>& out) const;

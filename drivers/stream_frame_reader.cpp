@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <fmt/format.h>
-#include <limits>
 #include <utility>
 
-#include "core/simd.hpp"
 #include "drivers/little_endian.hpp"
+#include "drivers/stream_words.hpp"
 
 namespace scree::drivers::stream {
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 bool is_perceptron(ProjectionKind kind) {
   return kind == ProjectionKind::perceptron_usf || kind == ProjectionKind::perceptron_cmu;
@@ -25,38 +21,6 @@ bool in_time(Time time) {
 
 std::string seconds(Time time) {
   return format_seconds(time.time_since_epoch()) + " s";
-}
-
-struct RangeLaw {
-  const float* offset_m;
-  const float* per_count_m;
-  std::int32_t invalid_raw;
-};
-
-/// Returns all counts or-ed together.
-SCREE_CLONES std::uint16_t ranges_of_counts(const std::uint8_t* words, std::size_t count, const RangeLaw& law,
-                                            float* range_m) {
-  std::uint16_t any = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint16_t raw = 0;
-    std::memcpy(&raw, words + 2 * i, 2);
-    any = static_cast<std::uint16_t>(any | raw);
-    const float range = law.offset_m[i] + static_cast<float>(raw) * law.per_count_m[i];
-    range_m[i] = raw == law.invalid_raw ? kNaN : range;
-  }
-  return any;
-}
-
-SCREE_CLONES void ranges_of_words(const std::uint8_t* words, std::size_t count, const RangeLaw& law, int shift,
-                                  std::uint32_t min_reflectance, float* range_m) {
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, words + 4 * i, 4);
-    const auto raw = static_cast<std::int32_t>(word & kRangeBits);
-    const std::uint32_t reflectance = (word >> shift) & kRangeBits;
-    const float range = law.offset_m[i] + static_cast<float>(raw) * law.per_count_m[i];
-    range_m[i] = raw == law.invalid_raw || reflectance < min_reflectance ? kNaN : range;
-  }
 }
 
 }  // namespace
@@ -77,9 +41,10 @@ Result<Taken> FrameReader::take_geometry(const Message& message) {
   const std::uint32_t id = message.header.payload_crc;
   if (geometry_id_ == id) return Taken::geometry;
   geometry_id_.reset();
+  geometry_fault_.clear();
   auto told = decode_geometry(message.payload, message.header.version_minor);
   if (!told) {
-    reason_ = told.error().message;
+    geometry_fault_ = reason_ = told.error().message;
     return Taken::bad_geometry;
   }
   auto sensor = sensor_for_(told->sensor);
@@ -101,6 +66,7 @@ Taken FrameReader::take_frame(const Message& message, RangeFrame& frame) {
   if (geometry_id_ != message.header.geometry_id) {
     refuse("geometry_id", geometry_id_ ? fmt::format("{:08x}", *geometry_id_) : "a GEOMETRY before",
            fmt::format("{:08x}", message.header.geometry_id));
+    if (!geometry_fault_.empty()) reason_ = geometry_fault_;  // why there is none
     return Taken::no_geometry;
   }
   if (!read_shape(message.payload, message.header.version_minor) || !read_times(frame) || !read_poses())

@@ -58,6 +58,7 @@ class FrameReader {
   int word_bytes_ = 2;
   int reflectance_shift_ = 0;  ///< as the device packs its words
   std::string device_;
+  std::string geometry_fault_;  ///< of the last GEOMETRY, if it was refused
   std::shared_ptr<const Projection> projection_;
   std::shared_ptr<const SensorConfig> sensor_;
   // of the frame at hand

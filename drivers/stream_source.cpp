@@ -92,6 +92,7 @@ class StreamSource final : public Source {
     switch (*taken) {
       case stream::Taken::geometry:
       case stream::Taken::ignored_type:
+      case stream::Taken::bad_geometry:  // its frames say why they are of no use
         return std::optional<SourceEvent>();
       case stream::Taken::frame:
         break;

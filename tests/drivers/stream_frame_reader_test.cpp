@@ -152,7 +152,7 @@ TEST(StreamFrameReader, AGeometryThatContradictsItselfIsNamedAndHidesTheOneBefor
                                       {with<double>(good, 48, 0.0), "range_per_count_m"},
                                       {with<double>(good, 104, -1.0), "ambiguity_m"},
                                       {with<double>(good, 136, 9.0), "T_body_sensor"},
-        {with<double>(good, 120, std::nan("")), "T_body_sensor"},
+                                      {with<double>(good, 120, std::nan("")), "T_body_sensor"},
                                       {with<double>(good, 168, std::nan("")), "noise and range limits"},
                                       {with<std::uint8_t>(good, 216, 7), "device"},
                                       {with<std::int64_t>(good, 16, -1), "row_period_ns"}}) {
@@ -163,6 +163,7 @@ TEST(StreamFrameReader, AGeometryThatContradictsItselfIsNamedAndHidesTheOneBefor
     EXPECT_THAT(ears.reader.reason(), ::testing::HasSubstr(reason));
     ears.hear(sealed(MessageType::frame, frame_payload(test_frame(0)), crc32_of(good)));
     EXPECT_EQ(ears.taken.back(), Taken::no_geometry) << "the device is not what it was";
+    EXPECT_THAT(ears.reader.reason(), ::testing::HasSubstr(reason)) << "the frame says why";
   }
 }
 
