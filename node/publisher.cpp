@@ -1,14 +1,24 @@
 #include "node/publisher.hpp"
 
+#include <cerrno>
+#include <cstring>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <sys/random.h>
 
 #include "node/publisher_schedule.hpp"
-#include "node/random_id.hpp"
 #include "node/udp_socket.hpp"
 
 namespace scree::node {
 namespace {
+
+Result<std::uint64_t> random_boot_id() {
+  std::uint64_t id = 0;
+  while (id == 0)
+    if (getrandom(&id, sizeof id, 0) != static_cast<ssize_t>(sizeof id) && errno != EINTR)
+      return Error{ErrorKind::unavailable, fmt::format("boot_id: getrandom failed: {}", std::strerror(errno))};
+  return id;
+}
 
 Status check_name(const std::string& key, const std::string& name) {
   if (protocol::valid_name(name)) return {};
@@ -48,7 +58,7 @@ Result<std::unique_ptr<Publisher>> Publisher::open(const config::PublishSettings
     return Error{ErrorKind::bad_config,
                  fmt::format("publish: expected datagrams_per_s and refresh_ms of at least 1, found {} and {}",
                              settings.datagrams_per_s, settings.refresh_ms)};
-  auto boot_id = random_id();
+  auto boot_id = random_boot_id();
   if (!boot_id) return boot_id.error();
   auto socket = UdpSocket::connect_to(*destination, what);
   if (!socket) return socket.error();

@@ -7,11 +7,11 @@
 
 namespace scree::node {
 
-Result<std::uint64_t> random_id() {
+Result<std::uint64_t> random_id(const std::string& what) {
   std::uint64_t id = 0;
   while (id == 0)
     if (getrandom(&id, sizeof id, 0) != static_cast<ssize_t>(sizeof id) && errno != EINTR)
-      return Error{ErrorKind::unavailable, fmt::format("boot_id: getrandom failed: {}", std::strerror(errno))};
+      return Error{ErrorKind::unavailable, fmt::format("{}: getrandom failed: {}", what, std::strerror(errno))};
   return id;
 }
 

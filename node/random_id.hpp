@@ -1,13 +1,13 @@
 #pragma once
-// Numbers that tell one run of a process from every other.
 
 #include <cstdint>
+#include <string>
 
 #include "core/result.hpp"
 
 namespace scree::node {
 
-/// Never 0. Errors: unavailable (the kernel gives none).
-Result<std::uint64_t> random_id();
+/// From the kernel; never 0. Errors: unavailable, naming `what`.
+Result<std::uint64_t> random_id(const std::string& what);
 
 }  // namespace scree::node

@@ -66,7 +66,7 @@ Status ServedDevice::State::open_outputs(std::uint64_t boot_id) {
 
 Result<std::unique_ptr<ServedDevice>> ServedDevice::open(drivers::Simulator simulator, const std::string& sensor,
                                                          ServeOptions options) {
-  const auto boot_id = random_id();
+  const auto boot_id = random_id("boot_id");
   if (!boot_id) return boot_id.error();
   auto server = drivers::StreamServer::open(options.address);
   if (!server) return server.error();

@@ -151,7 +151,8 @@ TEST_F(StreamSourceTest, ADamagedFrameIsSkippedOnceAndCounted) {
   Bytes damaged = *message(1);
   damaged.back() ^= 1;
   bytes.insert(bytes.end(), damaged.begin(), damaged.end());
-  bytes.insert(bytes.end(), message(2)->begin(), message(2)->end());
+  const auto last = message(2);
+  bytes.insert(bytes.end(), last->begin(), last->end());
   server_->send(std::make_shared<const Bytes>(bytes));
   EXPECT_EQ(event().kind, Kind::frame);
   const auto skipped = event();
