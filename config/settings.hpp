@@ -41,9 +41,9 @@ struct NodeSettings {
   int sensor_lost_ms = 2000;  ///< live: the same for "sensor lost"
 };
 
-enum class SourceKind : std::uint8_t { none, recording, simulated };
+enum class SourceKind : std::uint8_t { none, recording, simulated, stream };
 
-/// What `scree run` acquires from. Devices come with the live drivers.
+/// What `scree run` acquires from.
 struct SourceSettings {
   SourceKind kind = SourceKind::none;
   std::string path;  ///< recording: directory, played in real time, newest wins
@@ -53,6 +53,8 @@ struct SourceSettings {
   std::string trajectory;
   bool noise = true;
   std::uint64_t seed = 1;
+  std::string address;     ///< stream: unix:PATH or tcp:HOST:PORT
+  int deadline_ms = 2000;  ///< stream: a device that says nothing good for this long is connected to again
 };
 
 struct Settings {

@@ -12,6 +12,7 @@
 #include "config/key_types.hpp"
 #include "config/sensor_schema.hpp"
 #include "config/values.hpp"
+#include "drivers/stream_socket.hpp"
 
 namespace scree::config {
 namespace {
@@ -123,6 +124,9 @@ bool accept_name(const std::string& text) {
   return !text.empty() && text.size() <= 31 &&
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 127; });
 }
+bool accept_stream_address_or_empty(const std::string& text) {
+  return text.empty() || drivers::parse_stream_address(text, "source.address");
+}
 bool accept_any(const std::string&) {
   return true;
 }
@@ -225,7 +229,10 @@ Schema<SourceSettings> source_schema() {
   schema.keys = {
       choice<S, SourceKind>(
           "kind", [](S& s) -> SourceKind& { return s.kind; },
-          {{"none", SourceKind::none}, {"recording", SourceKind::recording}, {"simulated", SourceKind::simulated}},
+          {{"none", SourceKind::none},
+           {"recording", SourceKind::recording},
+           {"simulated", SourceKind::simulated},
+           {"stream", SourceKind::stream}},
           "What `scree run` acquires from."),
       text<S>(
           "path", [](S& s) -> std::string& { return s.path; }, "a path", accept_any,
@@ -245,7 +252,17 @@ Schema<SourceSettings> source_schema() {
           "noise", [](S& s) -> bool& { return s.noise; }, "simulated: nominal noise, or none."),
       integer<S, std::uint64_t>(
           "seed", [](S& s) -> std::uint64_t& { return s.seed; }, {0, 9.2e18, false},
-          "simulated: of everything random.")};
+          "simulated: of everything random."),
+      text<S>(
+          "address", [](S& s) -> std::string& { return s.address; }, "unix:PATH, tcp:HOST:PORT or \"\"",
+          accept_stream_address_or_empty, "stream: where the device serves its frames; TCP on the loopback only."),
+      integer<S, int>(
+          "deadline_ms", [](S& s) -> int& { return s.deadline_ms; }, {100, 3.6e6, false},
+          "stream: a device that says nothing good for this long is connected to again.")};
+  schema.rules.push_back({{"address", "kind"}, [](const S& s) -> std::optional<Contradiction> {
+                            if (s.kind != SourceKind::stream || !s.address.empty()) return std::nullopt;
+                            return Contradiction{"source.address with source.kind stream", "no address"};
+                          }});
   schema.rules.push_back({{"path", "kind"}, [](const S& s) -> std::optional<Contradiction> {
                             if (s.kind != SourceKind::recording || !s.path.empty()) return std::nullopt;
                             return Contradiction{"source.path with source.kind recording", "no path"};

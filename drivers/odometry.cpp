@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -97,21 +98,46 @@ std::vector<Time> dense_times(const PoseTrack& truth) {
 
 }  // namespace
 
-PoseTrack odometry_track(const PoseTrack& truth, const OdometryErrors& errors, std::uint64_t seed) {
-  if (!errors.any()) return truth;
-  DriftRate rate(errors.drift_share, seed);
+struct Odometry::State {
+  State(const OdometryErrors& the_errors, std::uint64_t the_seed)
+      : errors(the_errors), seed(the_seed), rate(the_errors.drift_share, the_seed) {}
+  OdometryErrors errors;
+  std::uint64_t seed;
+  DriftRate rate;
   Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
   double way_m = 0.0;
+  std::optional<StampedPose> first;
+  Pose before;
+};
+
+Odometry::Odometry(const OdometryErrors& errors, std::uint64_t seed) : state_(std::make_unique<State>(errors, seed)) {}
+Odometry::Odometry(Odometry&&) noexcept = default;
+Odometry& Odometry::operator=(Odometry&&) noexcept = default;
+Odometry::~Odometry() = default;
+
+Pose Odometry::advance(Time time, const Pose& truth) {
+  State& s = *state_;
+  if (!s.errors.any()) return truth;
+  if (!s.first) {
+    s.first = StampedPose{time, truth};
+    s.before = truth;
+  }
+  const double moved_m = (truth.translation_m - s.before.translation_m).norm();
+  s.offset_m += moved_m * (heading_of(truth.rotation) * s.rate.at(s.way_m + 0.5 * moved_m));
+  s.way_m += moved_m;
+  s.before = truth;
+  const Eigen::Vector3d tilt = attitude_error(to_seconds(time - s.first->time), s.errors.attitude_rms_rad, s.seed);
+  return {truth.translation_m + s.offset_m, (rotation_by(tilt) * truth.rotation).normalized()};
+}
+
+PoseTrack odometry_track(const PoseTrack& truth, const OdometryErrors& errors, std::uint64_t seed) {
+  if (!errors.any()) return truth;
+  Odometry odometry(errors, seed);
   std::vector<StampedPose> poses;
   Pose before = truth.poses().front().T_map_body;
   for (const Time time : dense_times(truth)) {
-    const Pose pose = truth.at(time).value_or(before);  // inside a gap: nothing is known to move
-    const double moved_m = (pose.translation_m - before.translation_m).norm();
-    offset_m += moved_m * (heading_of(pose.rotation) * rate.at(way_m + 0.5 * moved_m));
-    way_m += moved_m;
-    before = pose;
-    const Eigen::Vector3d tilt = attitude_error(to_seconds(time - truth.begin()), errors.attitude_rms_rad, seed);
-    poses.push_back({time, {pose.translation_m + offset_m, (rotation_by(tilt) * pose.rotation).normalized()}});
+    before = truth.at(time).value_or(before);  // inside a gap: nothing is known to move
+    poses.push_back({time, odometry.advance(time, before)});
   }
   auto track = PoseTrack::make(std::move(poses));
   return track ? *std::move(track) : truth;  // finite, of unit norm, in the order of its times: make() has no reason

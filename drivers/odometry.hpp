@@ -2,6 +2,7 @@
 // Poses as odometry and an inertial unit would have them: the true way with errors that grow and wander.
 
 #include <cstdint>
+#include <memory>
 
 #include "drivers/frame/pose_track.hpp"
 
@@ -13,6 +14,22 @@ struct OdometryErrors {
   double attitude_rms_rad = 0.0;  ///< rms error about each of the map's axes
 
   bool any() const { return drift_share > 0.0 || attitude_rms_rad > 0.0; }
+};
+
+/// The errors of a drive as it comes: what odometry_track gives for the same poses.
+class Odometry {
+ public:
+  Odometry(const OdometryErrors& errors, std::uint64_t seed);
+  Odometry(Odometry&&) noexcept;
+  Odometry& operator=(Odometry&&) noexcept;
+  ~Odometry();
+
+  /// Where odometry says that the robot is when it is at `truth`; times increase, poses at most 0.1 s apart.
+  Pose advance(Time time, const Pose& truth);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 /// `truth` with errors, at the same times and at most 0.1 s apart, so that what lies between them is linear enough.

@@ -21,6 +21,7 @@ struct Simulator::State {
   std::vector<PixelRay> rays;
   std::size_t frame_count = 0;
 
+  SimulatedFrame render(const PoseTrack& track, Time frame_begin, std::size_t i, Executor& executor) const;
   int rows() const { return projection->rows; }
   Time row_time(Time frame_time, int row) const { return frame_time + row * sensor->row_period; }
   /// Frames begin during the drive and end before the hold does.
@@ -104,6 +105,9 @@ Simulator::~Simulator() = default;
 const RecordingDescription& Simulator::description() const {
   return state_->description;
 }
+const SimulatorConfig& Simulator::config() const {
+  return state_->config;
+}
 std::size_t Simulator::frame_count() const {
   return state_->frame_count;
 }
@@ -120,18 +124,34 @@ Time Simulator::frame_time(std::size_t i) const {
   return state_->trajectory.track.begin() + static_cast<std::int64_t>(i) * state_->simulated.frame_period;
 }
 
+Time Simulator::last_row_time(std::size_t i) const {
+  return state_->row_time(frame_time(i), state_->rows() - 1);
+}
+
 Result<SimulatedFrame> Simulator::render(std::size_t i, Executor& executor) const {
-  const State& s = *state_;
-  if (i >= s.frame_count)
-    return Error{ErrorKind::usage, fmt::format("simulator: expected a frame below {}, found {}", s.frame_count, i)};
+  if (i >= state_->frame_count)
+    return Error{ErrorKind::usage,
+                 fmt::format("simulator: expected a frame below {}, found {}", state_->frame_count, i)};
+  return state_->render(state_->trajectory.track, frame_time(i), i, executor);
+}
+
+Result<SimulatedFrame> Simulator::render_along(const PoseTrack& track, std::size_t i, Executor& executor) const {
+  if (!track.at(frame_time(i)) || !track.at(last_row_time(i)))
+    return Error{ErrorKind::usage, fmt::format("simulator: expected poses for the rows of frame {}, found none", i)};
+  return state_->render(track, frame_time(i), i, executor);
+}
+
+SimulatedFrame Simulator::State::render(const PoseTrack& track, Time frame_begin, std::size_t i,
+                                        Executor& executor) const {
+  const State& s = *this;
   SimulatedFrame frame;
   frame.sequence = i;
-  frame.time = frame_time(i);
+  frame.time = frame_begin;
   std::vector<Pose> T_map_sensor;
   std::vector<double> drift_m;
   for (int row = 0; row < s.rows(); ++row) {
     const Time time = s.row_time(frame.time, row);
-    T_map_sensor.push_back(s.body_at(s.trajectory.track, time) * s.sensor->T_body_sensor);
+    T_map_sensor.push_back(s.body_at(track, time) * s.sensor->T_body_sensor);
     drift_m.push_back(drift_offset_m(s.simulated.physics, s.config.seed, to_seconds(time.time_since_epoch())));
   }
   const ScanSetup setup{s.terrain,      s.simulated.physics,   s.rays,

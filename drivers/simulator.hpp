@@ -55,11 +55,17 @@ class Simulator {
   /// For recording.yaml: origin sim, the complete projection, trusted_rows = all rows, invalid_raw 0, and a range noise
   /// that is the honest one of the physics (its rms over the sensor's view of level ground).
   const RecordingDescription& description() const;
+  const SimulatorConfig& config() const;
   std::size_t frame_count() const;
   /// Frame i; the same whatever was rendered before and by however many threads. Errors: usage (i out of range).
   Result<SimulatedFrame> render(std::size_t i, Executor& executor) const;
+  /// The same from where `track` says the body is, for a robot that is driven: any i. Errors: usage (the track does not
+  /// cover the frame's rows).
+  Result<SimulatedFrame> render_along(const PoseTrack& track, std::size_t i, Executor& executor) const;
   /// Time of row 0 of frame i.
   Time frame_time(std::size_t i) const;
+  /// Time of its last row.
+  Time last_row_time(std::size_t i) const;
   const Terrain& terrain() const;
   /// Where the scanner was.
   const PoseTrack& poses() const;

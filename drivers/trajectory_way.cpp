@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
+#include "drivers/driven_robot.hpp"
 #include "drivers/simulator_grammar.hpp"
 #include "drivers/table.hpp"
 #include "drivers/trajectory.hpp"
@@ -24,13 +25,7 @@ Error wrong(std::string_view specification, std::string_view reason) {
 struct Curve {
   double x_m, y_m, heading_rad, length_m, curvature_per_m, speed_mps;
 
-  PlanarPose at(double way_m) const {
-    const double turn = curvature_per_m * way_m;
-    // Chord of the arc: 2·sin(turn/2)/curvature, along the mean heading; sinc keeps the straight line exact.
-    const double chord = turn == 0.0 ? way_m : way_m * std::sin(0.5 * turn) / (0.5 * turn);
-    const double mean = heading_rad + 0.5 * turn;
-    return {Time{}, x_m + chord * std::cos(mean), y_m + chord * std::sin(mean), heading_rad + turn};
-  }
+  PlanarPose at(double way_m) const { return along_arc({Time{}, x_m, y_m, heading_rad}, way_m, curvature_per_m); }
 };
 
 Result<std::vector<PlanarPose>> sample(const Curve& curve, std::string_view specification, Duration period) {

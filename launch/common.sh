@@ -18,8 +18,10 @@ config_dir=$root/config
 
 listener=
 listener_log=
-temporary=  # a directory that a launch file may set
+node=       # a process, and
+temporary=  # a directory, that a launch file may set
 clean_up() {
+  [ -z "$node" ] || kill "$node" 2>/dev/null || true
   [ -z "$listener" ] || kill "$listener" 2>/dev/null || true
   [ -z "$listener_log" ] || rm -f "$listener_log"
   [ -z "$temporary" ] || rm -rf "$temporary"

@@ -1,5 +1,6 @@
 #include "node/node_source.hpp"
 
+#include <chrono>
 #include <filesystem>
 #include <fmt/format.h>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "config/loader.hpp"
 #include "config/recording_file.hpp"
 #include "drivers/simulator.hpp"
+#include "drivers/stream_source.hpp"
 
 namespace scree::node {
 namespace {
@@ -45,6 +47,30 @@ Result<SensorConfig> cloud_sensor(const config::Settings& settings) {
   return config::effective_sensor(settings, sensor);
 }
 
+/// The device's sensor with the configuration's overrides; a whole sensor in the configuration must be the device's.
+Result<SensorConfig> stream_sensor(const config::Settings& settings, const SensorConfig& told) {
+  if (!settings.has_whole_sensor()) return config::effective_sensor(settings, told);
+  const ProjectionConfig& given = settings.sensor->projection;
+  const int rows = given.rows > 0 ? given.rows : told.projection.rows;
+  const int columns = given.columns > 0 ? given.columns : told.projection.columns;
+  auto expected = complete_projection(given, rows, columns);
+  if (!expected) return Error{ErrorKind::bad_config, expected.error().message};
+  if (const auto same = drivers::stream::check_same_projection("device", *expected, told.projection); !same)
+    return same.error();
+  SensorConfig sensor = *settings.sensor;
+  sensor.projection = *std::move(expected);
+  return sensor;
+}
+
+OpenedSource open_device_stream(const config::Settings& settings) {
+  drivers::StreamSourceConfig stream;
+  stream.address = settings.source.address;
+  stream.deadline = std::chrono::milliseconds(settings.source.deadline_ms);
+  stream.poses_needed = settings.pose.source == config::PoseSource::recording;
+  stream.origin = settings.publish.origin;
+  return drivers::open_stream(stream, [settings](const SensorConfig& told) { return stream_sensor(settings, told); });
+}
+
 }  // namespace
 
 OpenedSource open_input(const std::string& path, const std::string& format, const drivers::ReplayWindow& window,
@@ -77,11 +103,13 @@ OpenedSource open_live(const config::Settings& settings) {
       simulator.seed = source.seed;
       return drivers::simulated_source(simulator, true);
     }
+    case config::SourceKind::stream:
+      return open_device_stream(settings);
     case config::SourceKind::none:
       break;
   }
   return Error{ErrorKind::bad_config,
-               "configuration: source.kind: expected recording or simulated for `scree run`, found none"};
+               "configuration: source.kind: expected recording, simulated or stream for `scree run`, found none"};
 }
 
 }  // namespace scree::node

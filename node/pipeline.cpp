@@ -76,12 +76,16 @@ void Pipeline::acquire(const std::stop_token& stop) {
 
 Result<bool> Pipeline::acquire_event(const std::stop_token& stop) {
   auto event = source_->next(kSourceTimeout);
+  copy_source_counters();
   if (!event) return event.error();
   switch (event->kind) {
     case drivers::SourceEvent::Kind::timeout:
       return true;
     case drivers::SourceEvent::Kind::skipped:
       count_skipped(event->message);
+      return true;
+    case drivers::SourceEvent::Kind::notice:
+      spdlog::warn("{}", event->message);
       return true;
     case drivers::SourceEvent::Kind::frame:
       if (!event->message.empty()) spdlog::warn("frame taken: {}", event->message);
@@ -103,6 +107,7 @@ bool Pipeline::deliver(std::shared_ptr<const RangeFrame> frame, const std::stop_
     const std::lock_guard lock(mutex_);
     ++statistics_.frames_in;
     last_frame_ = MonotonicClock::now();
+    origin_ = source_->origin();  // told before the map that holds the frame is
   }
   ++frames_since_restart_;
   return queue_.push(std::move(frame), stop);

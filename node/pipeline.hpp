@@ -74,6 +74,7 @@ class Pipeline {
   void count_rejected();
   void note_first_frame();
   void copy_publisher_counters();
+  void copy_source_counters();
   NodeStatus status(MonotonicTime now);
   void count_skipped(const std::string& message);
   void fail(Error error);
@@ -101,6 +102,7 @@ class Pipeline {
   std::optional<Error> error_;
   std::optional<Error> publish_error_;
   MonotonicTime last_frame_ = start_;
+  std::optional<drivers::Origin> origin_;  ///< of the last frame delivered
   std::uint64_t dropped_at_last_look_ = 0;
   MonotonicTime last_look_ = start_;
   bool overloaded_ = false;

@@ -42,6 +42,12 @@ void Pipeline::copy_publisher_counters() {
   statistics_.publisher = counters;
 }
 
+void Pipeline::copy_source_counters() {
+  const auto counters = source_->counters();
+  const std::lock_guard lock(mutex_);
+  statistics_.source = counters;
+}
+
 NodeStatus Pipeline::status(MonotonicTime now) {
   const auto dropped = queue_.dropped();
   const std::lock_guard lock(mutex_);
@@ -54,6 +60,7 @@ NodeStatus Pipeline::status(MonotonicTime now) {
   NodeStatus status;
   status.frames_in = statistics_.frames_in;
   status.frames_dropped = dropped;
+  status.origin = origin_;
   status.latency_p50_us = to_us(latency_.percentile(0.5));
   status.latency_p99_us = to_us(latency_.percentile(0.99));
   status.latency_max_us = to_us(latency_.max());

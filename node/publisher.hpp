@@ -9,6 +9,7 @@
 
 #include "config/settings.hpp"
 #include "core/result.hpp"
+#include "drivers/source.hpp"
 #include "mapping/snapshot.hpp"
 #include "node/protocol_messages.hpp"
 
@@ -21,8 +22,9 @@ struct NodeStatus {
   std::uint32_t latency_p50_us = 0;
   std::uint32_t latency_p99_us = 0;
   std::uint32_t latency_max_us = 0;
-  std::uint16_t health = 0;         ///< bits of the common header (protocol::Health)
-  std::uint32_t sensor_age_ms = 0;  ///< since the last frame
+  std::uint16_t health = 0;               ///< bits of the common header (protocol::Health)
+  std::uint32_t sensor_age_ms = 0;        ///< since the last frame
+  std::optional<drivers::Origin> origin;  ///< set: of the frames, in place of what open() was told
 };
 
 struct PublisherCounters {

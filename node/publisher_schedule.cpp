@@ -58,6 +58,7 @@ Publisher::State::State(UdpSocket socket, const config::PublishSettings& publish
 Header Publisher::State::header(MonotonicTime now) const {
   Header out = base;
   out.health = status.health;
+  if (status.origin) out.origin = *status.origin;
   out.map_rev = revision;
   out.age_us = std::numeric_limits<std::uint32_t>::max();
   if (has_map) {

@@ -34,6 +34,12 @@ nlohmann::ordered_json publisher_json(const PublisherCounters& publisher) {
           {"send_blocked", publisher.send_blocked}};
 }
 
+nlohmann::ordered_json source_json(const drivers::SourceCounters& source) {
+  auto json = nlohmann::ordered_json::object();
+  for (const auto& item : source.items()) json[item.name] = item.value;
+  return json;
+}
+
 }  // namespace
 
 std::string to_line(const Statistics& s) {
@@ -71,6 +77,7 @@ std::string to_json(const Statistics& s) {
       {"elapsed_s", to_seconds(s.elapsed)},
       {"mapping_s", to_seconds(s.mapping)},
       {"frames_per_s", s.frames_per_s()},
+      {"source", source_json(s.source)},
       {"publisher", publisher_json(s.publisher)},
       {"pixels", pixel_json(s.pixels)}};
   return json.dump(2);

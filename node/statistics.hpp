@@ -6,6 +6,7 @@
 
 #include "core/time.hpp"
 #include "drivers/frame/point_frame.hpp"
+#include "drivers/source.hpp"
 #include "node/publisher.hpp"
 
 namespace scree::node {
@@ -30,6 +31,7 @@ struct Statistics {
   Duration latency_p50{0};  ///< frame in to map out; replay: from the moment the map stage takes the frame
   Duration latency_p99{0};
   Duration latency_max{0};
+  drivers::SourceCounters source;  ///< what it counts of its own
   PublisherCounters publisher;
   std::uint64_t rejected = 0;  ///< datagrams received that failed a check
   Duration elapsed{0};         ///< wall clock of the whole run, with start-up and the last map's way out

@@ -64,8 +64,7 @@ std::optional<PoseTrack::Gap> PoseTrack::gap_at(Time time) const {
   const auto after = first_after(time);
   if (fixed_ || after == poses_.begin() || after == poses_.end()) return std::nullopt;
   const auto before = after - 1;
-  if (before->time == time || after->time - before->time <= kMaxGap || same(before->T_map_body, after->T_map_body))
-    return std::nullopt;
+  if (before->time == time || !is_gap(*before, *after)) return std::nullopt;
   return Gap{before->time, after->time};
 }
 
@@ -74,12 +73,19 @@ std::optional<Pose> PoseTrack::at(Time time) const {
   if (poses_.empty() || time < begin() || time > end() || gap_at(time)) return std::nullopt;
   const auto after = first_after(time);
   if (after == poses_.end()) return poses_.back().T_map_body;
-  const auto before = after - 1;
-  const double weight = to_seconds(time - before->time) / to_seconds(after->time - before->time);
-  const Pose& a = before->T_map_body;
-  const Pose& b = after->T_map_body;
-  return Pose{a.translation_m + weight * (b.translation_m - a.translation_m),
-              a.rotation.slerp(weight, b.rotation).normalized()};
+  return interpolate(*(after - 1), *after, time);
+}
+
+bool PoseTrack::is_gap(const StampedPose& before, const StampedPose& after) {
+  return after.time - before.time > kMaxGap && !same(before.T_map_body, after.T_map_body);
+}
+
+Pose interpolate(const StampedPose& before, const StampedPose& after, Time time) {
+  const double weight = to_seconds(time - before.time) / to_seconds(after.time - before.time);
+  const Pose& a = before.T_map_body;
+  const Pose& b = after.T_map_body;
+  return {a.translation_m + weight * (b.translation_m - a.translation_m),
+          a.rotation.slerp(weight, b.rotation).normalized()};
 }
 
 }  // namespace scree

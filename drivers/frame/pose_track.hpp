@@ -15,6 +15,9 @@ struct StampedPose {
   Pose T_map_body;
 };
 
+/// Linear in translation, slerp in rotation; before.time ≤ time ≤ after.time, which differ.
+Pose interpolate(const StampedPose& before, const StampedPose& after, Time time);
+
 class PoseTrack {
  public:
   /// Two different poses farther apart in time say nothing of what lies between them. A robot that accelerates by
@@ -38,6 +41,8 @@ class PoseTrack {
   /// The pair of poses around `time` (exclusive) when they differ and lie more than kMaxGap apart. Poses that agree to
   /// 1 nm and 1 nrad are a body that stood still, however long. O(log n).
   std::optional<Gap> gap_at(Time time) const;
+  /// Whether nothing is known between two poses that follow each other.
+  static bool is_gap(const StampedPose& before, const StampedPose& after);
 
   Time begin() const { return poses_.front().time; }
   Time end() const { return poses_.back().time; }

@@ -50,6 +50,8 @@ const std::map<std::string, Rule> kAdapters{
     {"io/opencv_file.hpp", {{}, {"opencv2/"}}},
     {"fractal/fourier.cpp", {{}, {"unsupported/Eigen/FFT"}}},
     {"drivers/terrain_load.cpp", {{"fractal"}, {}}},
+    {"drivers/checksum.cpp", {{}, {"zlib.h"}}},
+    {"drivers/stream_socket.cpp", {{}, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/inet.h", "poll.h"}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
 };
 

@@ -53,6 +53,13 @@ TEST_F(Launch, ReplayAndListenLeavesThePictureWhereItIsTold) {
                  folder_ / "map.png");
 }
 
+TEST_F(Launch, ServeNodeListenLeavesItsPictureAndNothingElse) {
+  const auto finished = launch("serve_node_listen.sh", {"live.png"});
+  expect_picture(finished, folder_ / "live.png");
+  EXPECT_THAT(finished.err, ::testing::ContainsRegex("frames [1-9][0-9]* mapped [1-9]")) << "the node's last line";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1) << "temporary files are gone";
+}
+
 TEST_F(Launch, DemoLeavesItsPictureInBuild) {
   expect_picture(launch("demo.sh"), folder_ / "build" / "demo.png");
 }
@@ -60,8 +67,10 @@ TEST_F(Launch, DemoLeavesItsPictureInBuild) {
 TEST_F(Launch, FailuresKeepTheirExitCodesAndLeaveNoFiles) {
   EXPECT_EQ(launch("replay_and_listen.sh").exit_code, 64);
   EXPECT_EQ(launch("replay_and_listen.sh", {"/nowhere/drive"}).exit_code, 66);
-  const auto finished = launch("simulate_node_listen.sh", {"a.png", "--", "--set", "map.cel_m=1"});
-  EXPECT_EQ(finished.exit_code, 78) << finished.err;
+  for (const char* file : {"simulate_node_listen.sh", "serve_node_listen.sh"}) {
+    const auto finished = launch(file, {"a.png", "--", "--set", "map.cel_m=1"});
+    EXPECT_EQ(finished.exit_code, 78) << finished.err;
+  }
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path())) << "nor temporary ones";
 }
 
