@@ -73,7 +73,7 @@ void MapAssembly::count(Reject reason) {
 
 Reject MapAssembly::judge(std::span<const std::uint8_t> datagram, MonotonicTime now) {
   protocol::Opened opened;
-  if (const Reject reason = protocol::open_datagram(datagram, opened); reason != Reject::none) return reason;
+  if (const Reject reason = protocol::open_datagram(datagram, opened, keys_); reason != Reject::none) return reason;
   if (const Reject reason = check_sender(opened, now); reason != Reject::none) return reason;
   const Reject reason = take(opened, now);
   if (reason == Reject::none) stream_id_ = opened.header.stream_id;

@@ -14,8 +14,10 @@ namespace scree::node {
 
 class MapAssembly {
  public:
-  explicit MapAssembly(std::set<drivers::Origin> accept, std::optional<std::uint32_t> stream_id = std::nullopt)
-      : accept_(std::move(accept)), stream_id_(stream_id) {}
+  /// With `keys`, datagrams without the MAC of one of them are refused.
+  explicit MapAssembly(std::set<drivers::Origin> accept, std::optional<std::uint32_t> stream_id = std::nullopt,
+                       const protocol::KeyRing& keys = {})
+      : accept_(std::move(accept)), stream_id_(stream_id), keys_(keys) {}
 
   /// Checks one datagram and takes what it says. Returns the reason why not. `now` must not run backwards. A datagram
   /// that is not accepted changes nothing but counters, except that one of an earlier boot_id can raise FAULT.
@@ -61,6 +63,7 @@ class MapAssembly {
 
   std::set<drivers::Origin> accept_;
   std::optional<std::uint32_t> stream_id_;
+  protocol::KeyRing keys_;
 
   // of the present boot
   std::optional<std::uint64_t> boot_id_;

@@ -43,7 +43,7 @@ bool PoseReceiver::accept(std::span<const std::uint8_t> datagram, const Endpoint
 
 Reject PoseReceiver::judge(std::span<const std::uint8_t> datagram, protocol::Opened& opened,
                            protocol::PoseInputMessage& message) const {
-  if (const Reject reason = protocol::open_datagram(datagram, opened); reason != Reject::none) return reason;
+  if (const Reject reason = protocol::open_datagram(datagram, opened, keys_); reason != Reject::none) return reason;
   if (opened.header.stream_id != stream_id_) return Reject::stream;
   if (opened.header.type != protocol::MessageType::pose_input) return Reject::type;
   if (const Reject reason = decode(opened, message); reason != Reject::none) return reason;

@@ -33,8 +33,9 @@ struct PoseInputCounters {
 /// The checks and the history, without the socket.
 class PoseReceiver {
  public:
-  PoseReceiver(const Endpoint& accept_from, std::uint32_t stream_id)
-      : accept_from_(accept_from), stream_id_(stream_id) {}
+  /// With `keys`, datagrams without the MAC of one of them are refused.
+  PoseReceiver(const Endpoint& accept_from, std::uint32_t stream_id, const protocol::KeyRing& keys = {})
+      : accept_from_(accept_from), stream_id_(stream_id), keys_(keys) {}
 
   /// True when the pose was taken. `now` is the node's system clock. In order: address, the datagram's own checks,
   /// stream, type and body, boot_id (a new one forgets the history, an earlier one is refused), seq (only upwards),
@@ -53,6 +54,7 @@ class PoseReceiver {
 
   Endpoint accept_from_;
   std::uint32_t stream_id_;
+  protocol::KeyRing keys_;
   std::optional<std::uint64_t> boot_id_;
   std::uint64_t seq_ = 0;
   std::array<std::uint64_t, 8> old_boots_{};  ///< 0 = none

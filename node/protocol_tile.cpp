@@ -101,7 +101,7 @@ bool valid_rows(Layer layer, int row0, int rows) {
   return row0 == 0 && rows == kTileCells;
 }
 
-void encode(Header header, const TileBlock& block, Datagram& out) {
+void encode(Header header, const TileBlock& block, Datagram& out, const Key* key) {
   assert(valid_rows(block.layer, block.row0, block.rows));
   header.type = MessageType::tile;
   const Encoding encoding = choose_encoding(block.layer, block.view());
@@ -121,7 +121,7 @@ void encode(Header header, const TileBlock& block, Datagram& out) {
   writer.put(block.block_age_ms);
   put_cells(writer, block.layer, encoding, block.view());
   assert(writer.ok());
-  seal(header, writer.size(), out);
+  seal(header, writer.size(), out, key);
 }
 
 Reject decode(const Opened& opened, TileBlock& out) {
