@@ -268,7 +268,8 @@ constexpr Duration kBootReorder = std::chrono::seconds(1);
 constexpr Duration kOutdated = std::chrono::milliseconds(500);
 constexpr Duration kNackAfter = std::chrono::milliseconds(50);
 constexpr Duration kNackAgain = std::chrono::milliseconds(100);
-constexpr Duration kSubscribeEvery = std::chrono::seconds(1);
+constexpr Duration kSubscribeEvery = std::chrono::milliseconds(250);  // twelve in a lease of 3 s: losses do not end it
+constexpr Duration kPingEvery = std::chrono::seconds(1);
 constexpr Duration kCookieAnswer = std::chrono::milliseconds(100);  // bounds what forged cookies can make us send
 
 enum Type : std::uint8_t {
@@ -1694,7 +1695,7 @@ inline std::size_t Receiver::nack_layer(std::uint8_t (&out)[detail::kMaxDatagram
 
 inline std::size_t Receiver::write_ping(std::uint8_t (&out)[detail::kMaxDatagramBytes], Time now) {
   std::uint8_t* const body = out + detail::kHeaderBytes;
-  next_ping_ = now + detail::kSubscribeEvery;
+  next_ping_ = now + detail::kPingEvery;
   ping_at_ = now;
   ping_waits_ = true;
   nonce_ = nonce_ * 6364136223846793005U + 1442695040888963407U;  // from a random start; its guessing gains nothing

@@ -465,7 +465,7 @@ def later_minor():
 
 
 def subscription():
-    s, n = Scenario("SUBSCRIBE each second, with the cookie once it is known; NACK 50 ms after a manifest, again each 100 ms"), Node()
+    s, n = Scenario("SUBSCRIBE each 250 ms, with the cookie once it is known; NACK 50 ms after a manifest, again each 100 ms"), Node()
     s.config("subscribe")
     s.config("layers 0,1")
     s.config("repeats 2")
@@ -478,26 +478,31 @@ def subscription():
     s.expect(99, "request 9 *", "request 0 -")
     s.expect(100, f"request 6 {body(77)}", "request 0 -")
     s.receive(110, n.announce(-32, 0, 96, 32), n.heartbeat(), n.tile(0, 0), n.tile(1, 0), n.tile(-1, 0))
-    s.receive(200, n.manifest([5, 5, 1], tx0=-1), n.manifest([4, 4], layer=1))
-    s.expect(249, "request 0 -")
-    s.expect(250, f"request 8 {nack(0, (0, 0))}", f"request 8 {nack(1, (0, 0), (1, 0))}", "request 0 -")
-    s.receive(300, n.tile(0, 0, 4, layer=1), n.tile(0, 0, 4, layer=1, half=1))
-    s.expect(349, "request 0 -")
-    s.expect(350, f"request 8 {nack(0, (0, 0))}", f"request 8 {nack(1, (1, 0))}", "request 0 -")
-    s.receive(360, n.heartbeat(), n.tile(0, 0, 5), n.tile(1, 0, 4, layer=1))
-    s.receive(400, n.manifest([5, 2], tx0=0))
-    s.expect(450, f"request 8 {nack(0, (1, 0))}", f"request 8 {nack(1, (1, 0))}", "counter nacks_sent 6",
-             "counter tiles_nacked 7")
-    s.receive(460, n.tile(1, 0, 2), n.tile(1, 0, 4, layer=1, half=1), n.manifest([1], tx0=3), n.manifest([9], layer=2))
-    s.expect(900, "request 0 -")
-    s.receive(1000, n.heartbeat())
-    s.expect(1100, f"request 6 {body(77)}", "request 9 *", "request 0 -", "counter subscribes_sent 3", "counter pings_sent 2")
+    s.expect(350, f"request 6 {body(77)}", "request 0 -")
+    s.receive(360, n.heartbeat(), n.manifest([5, 5, 1], tx0=-1), n.manifest([4, 4], layer=1))
+    s.expect(409, "request 0 -")
+    s.expect(410, f"request 8 {nack(0, (0, 0))}", f"request 8 {nack(1, (0, 0), (1, 0))}", "request 0 -")
+    s.receive(450, n.tile(0, 0, 4, layer=1), n.tile(0, 0, 4, layer=1, half=1))
+    s.expect(509, "request 0 -")
+    s.expect(510, f"request 8 {nack(0, (0, 0))}", f"request 8 {nack(1, (1, 0))}", "request 0 -")
+    s.receive(520, n.tile(0, 0, 5), n.tile(1, 0, 4, layer=1))
+    s.receive(530, n.manifest([5, 2], tx0=0))
+    s.expect(579, "request 0 -")
+    s.expect(580, f"request 8 {nack(0, (1, 0))}", "request 0 -")
+    s.expect(600, f"request 6 {body(77)}", "request 0 -")
+    s.expect(610, f"request 8 {nack(1, (1, 0))}", "request 0 -", "counter nacks_sent 6", "counter tiles_nacked 7")
+    s.receive(620, n.heartbeat(), n.tile(1, 0, 2), n.tile(1, 0, 4, layer=1, half=1), n.manifest([1], tx0=3),
+              n.manifest([9], layer=2))
+    s.expect(849, "request 0 -")
+    s.expect(850, f"request 6 {body(77)}", "request 0 -")
+    s.expect(1099, f"request 9 *", "request 0 -", "counter subscribes_sent 5", "counter pings_sent 2")
+    s.receive(1100, n.heartbeat())
+    s.expect(1100, f"request 6 {body(77)}", "request 0 -")
     s.receive(1150, n.cookie(78))
     s.expect(1199, "request 0 -")
     s.expect(1200, f"request 6 {body(78)}", "request 0 -")
     s.receive(1210, n.manifest([9]))
-    s.expect(2001, f"request 0 -", "state lost")  # nothing is asked of a node that is silent
-    s.expect(2200, f"request 6 {body(78)}", "request 9 *", "request 0 -")
+    s.expect(2101, f"request 6 {body(78)}", "request 9 *", "request 0 -", "state lost")  # a node that is silent is sent no NACK
     return s
 
 
