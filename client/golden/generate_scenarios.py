@@ -569,6 +569,21 @@ def golden_tiles():
     yield "subscribe_mac", golden_alone("subscribe_mac", kind="mac")
 
 
+def blake2b_vectors():
+    """Key, data and digest in hex: the example of RFC 7693 appendix A, then hashlib's around every block boundary."""
+    rfc = ("ba80a53f981c4d0d6a2797b69f12f6e94c212f14685ac4b74b12bb6fdbffa2d1"
+           "7d87c5392aab792dc252d5de4533cc9518d38aa8dbf1925ab92386edd4009923")
+    assert hashlib.blake2b(b"abc").hexdigest() == rfc
+    yield "# BLAKE2b: key, data, digest; - = empty"
+    yield f"- {b'abc'.hex()} {rfc}"
+    for size in (0, 1, 63, 64, 65, 127, 128, 129, 255, 256, 257, 1184):
+        data = bytes(i * 7 % 251 for i in range(size))
+        for key in (b"", b"k", KEY_1, bytes(range(64))):
+            for digest in (16, 64):
+                out = hashlib.blake2b(data, key=key, digest_size=digest).hexdigest()
+                yield f"{key.hex() or '-'} {data.hex() or '-'} {out}"
+
+
 def main():
     scenarios = {
         "map_appears": map_appears(), "layers": layers(), "silence": silence(), "announced_times": announced_times(),
@@ -580,6 +595,7 @@ def main():
         "sequence": sequence(), "reordered": reordered(), "endings": endings(), "windows": windows(),
         "later_minor": later_minor(), "subscription": subscription(), "golden": golden()}
     scenarios.update((f"golden_{name}", scenario) for name, scenario in golden_tiles())
+    (FOLDER.parent / "blake2b.txt").write_text("\n".join(blake2b_vectors()) + "\n")
     FOLDER.mkdir(exist_ok=True)
     for name, scenario in scenarios.items():
         (FOLDER / f"{name}.txt").write_text("\n".join(scenario.lines) + "\n")

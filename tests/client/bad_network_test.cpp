@@ -43,14 +43,14 @@ class BadNetworks : public testing::TestWithParam<Language> {
   }
 };
 
-// A change is missed with p = 5e-4 (30 % loss, one repeat, NACKs at 50, 150, … ms behind the first manifest that
-// arrives, both halves of an elevation tile needed). n = 63 thousand: 32 expected, 63 allowed, which a Poisson number
-// exceeds with 2e-7; of the shorter Python run (n = 12 thousand) 6 and 12, with 9e-3. The seeds are fixed.
+// A change is missed with p = 2e-4 (measured over 50 thousand, other seeds; 30 % loss, one repeat, NACKs 50, 150, … ms
+// behind the first manifest that arrives). n = 25 thousand: 5 expected, 24 allowed, which a Poisson number exceeds with
+// 2e-10; of the shorter Python run, n = 9.7 thousand, 2 and 9, with 5e-5. The seeds are fixed: a run repeats exactly.
 TEST_P(BadNetworks, ThirtyPercentLossWithNackIsCurrentWithinASecond) {
-  auto simulation = settings(true, 600, 120);
+  auto simulation = settings(true, 300, 120);
   simulation.down.loss = simulation.up.loss = 0.3;
   const auto result = run(simulation, {.subscribe = true, .repeats = 1, .key = {}});
-  EXPECT_GE(result.changes, 10'000U);
+  EXPECT_GE(result.changes, 9'000U);
   EXPECT_GE(result.share_current(), 0.999);
   EXPECT_EQ(result.judgement.wrong, 0U) << result.judgement.first_wrong;
   EXPECT_GT(result.judgement.known, result.judgement.unknown);
@@ -59,10 +59,10 @@ TEST_P(BadNetworks, ThirtyPercentLossWithNackIsCurrentWithinASecond) {
 }
 
 TEST_P(BadNetworks, BurstsOfFiveWithNackAreCurrentWithinASecond) {
-  auto simulation = settings(true, 600, 120);
+  auto simulation = settings(true, 300, 120);
   simulation.down.burst_loss = simulation.up.burst_loss = 0.1;
   const auto result = run(simulation, {.subscribe = true, .repeats = 1, .key = {}});
-  EXPECT_GE(result.changes, 10'000U);
+  EXPECT_GE(result.changes, 9'000U);
   EXPECT_GE(result.share_current(), 0.999);
   EXPECT_EQ(result.judgement.wrong, 0U) << result.judgement.first_wrong;
   EXPECT_LE(result.judgement.revisions_behind, 5U + 15U);
@@ -71,17 +71,17 @@ TEST_P(BadNetworks, BurstsOfFiveWithNackAreCurrentWithinASecond) {
 // One way: seven copies within six refreshes; 0.3^7 = 2e-4 for a block, 4e-4 for both halves of elevation, 3e-4 on
 // average.
 TEST_P(BadNetworks, ThirtyPercentLossOneWayIsCurrentWithinSixRefreshes) {
-  auto simulation = settings(false, 600, 120);
+  auto simulation = settings(false, 300, 120);
   simulation.down.loss = 0.3;
   simulation.limit = seconds(6);
   const auto result = run(simulation, {});
-  EXPECT_GE(result.changes, 10'000U);
+  EXPECT_GE(result.changes, 9'000U);
   EXPECT_GE(result.share_current(), 0.999);
   EXPECT_EQ(result.judgement.wrong, 0U) << result.judgement.first_wrong;
 }
 
 TEST_P(BadNetworks, BurstsOfFiveOneWayAreCurrentWithinSixRefreshes) {
-  auto simulation = settings(false, 600, 120);
+  auto simulation = settings(false, 300, 120);
   simulation.down.burst_loss = 0.1;
   simulation.limit = seconds(6);
   const auto result = run(simulation, {});
@@ -156,7 +156,7 @@ void kill_and_restart(ClientPort& client, SimulationSettings simulation, Nanosec
       network.set_black_out(false);
       network.replace_sender(reborn);
     }
-    const bool looked_at = now % milliseconds(10) == Nanoseconds{0};
+    const bool looked_at = now % milliseconds(20) == Nanoseconds{0};
     if (looked_at && now > born + kOnItsWay) {
       EXPECT_EQ(judge(client.show(now), network.sender()).wrong, 0U) << "after " << now.count() << " ns";
     } else if (looked_at && now >= kKilled + seconds(1)) {
