@@ -76,6 +76,7 @@ _MANIFEST_HEAD = struct.Struct("<iiHHBBH")
 _HEARTBEAT_HEAD = struct.Struct("<QQQQIIIIB7x")
 _POSE_BODY = struct.Struct("<q7d6fI4x")
 _BYTE = [bytes([value]) for value in range(256)]
+_IS_UNKNOWN = bytes(255) + b"\1"
 _ZERO_CRC = bytes(4)
 _log = logging.getLogger("scree_client")
 
@@ -200,7 +201,14 @@ _NOTHING_YET.cost_profile = _NOTHING_YET.config_hash = 0
 
 
 class _Block:
-    __slots__ = ("rev", "age_ms", "scale", "offset", "arrived", "cells")
+    __slots__ = ("rev", "age_ms", "scale", "offset", "arrived", "_cells", "_runs")
+
+    def cells(self):
+        """1024 raw bytes. Run-length blocks are expanded when first read: most are replaced before."""
+        if self._cells is None:
+            self._cells = b"".join(map(operator.mul, map(_BYTE.__getitem__, self._runs[1::2]), self._runs[0::2]))
+            self._runs = None
+        return self._cells
 
 
 class _LayerTile:
@@ -223,21 +231,23 @@ class _LayerTile:
         return min(lower, self.block[1].rev if self.block[1] else 0)
 
 
-def _expand_runs(data):
-    """Pairs (count, value) that give exactly 1024 cells: verdict, cells, bytes used."""
-    filled = used = 0
+def _check_runs(data):
+    """Pairs (count, value) that give exactly 1024 cells: verdict and how many bytes they take."""
     counts = data[0::2]
+    if len(data) % 2 == 0 and sum(counts) == _TILE_AREA and not counts.count(0):
+        return "accepted", len(data)
+    filled = used = 0
     while filled < _TILE_AREA and len(data) - used >= 2:
         run = data[used]
         if run == 0 or run > _TILE_AREA - filled:
-            return "body_value", b"", 0
+            return "body_value", 0
         filled += run
         used += 2
-    if filled != _TILE_AREA:
-        return "body_length", b"", 0
-    pairs = used // 2
-    cells = b"".join(map(operator.mul, map(_BYTE.__getitem__, data[1:used:2]), itertools.islice(counts, pairs)))
-    return "accepted", cells, used
+    return ("accepted", used) if filled == _TILE_AREA else ("body_length", 0)
+
+
+def _known_in_runs(runs):
+    return _TILE_AREA - sum(itertools.compress(runs[0::2], runs[1::2].translate(_IS_UNKNOWN)))
 
 
 def _known_cells(cells, i16):
@@ -271,16 +281,17 @@ def _decode_tile(opened):
         return ("body_value",) + bad
     if not math.isfinite(scale) or not scale > 0.0 or not math.isfinite(offset):
         return ("body_value",) + bad
-    used = _TILE_AREA
+    used, runs = _TILE_AREA, None
     if encoding == 3:  # constant
         used = 2 if i16 else 1
         if len(body) < 32 + used:
             return ("body_length",) + bad
         cells = body[32:32 + used] * (_TILE_AREA // used)
     elif encoding == 4 and not i16:  # run-length
-        verdict, cells, used = _expand_runs(body[32:])
+        verdict, used = _check_runs(body[32:])
         if verdict != "accepted":
             return (verdict,) + bad
+        cells, runs = None, body[32:32 + used]
     elif encoding == (1 if i16 else 0):
         cells = body[32:32 + used]
         if len(cells) < used:
@@ -289,10 +300,10 @@ def _decode_tile(opened):
         return ("body_value",) + bad
     if not opened.body_fits(32 + used):
         return ("body_length",) + bad
-    if _known_cells(cells, i16) != known:
+    if (_known_cells(cells, i16) if runs is None else _known_in_runs(runs)) != known:
         return ("body_value",) + bad
     block = _Block()
-    block.rev, block.age_ms, block.scale, block.offset, block.cells = rev, age_ms, scale, offset, cells
+    block.rev, block.age_ms, block.scale, block.offset, block._cells, block._runs = rev, age_ms, scale, offset, cells, runs
     return "accepted", layer, tx, ty, 1 if row0 == 16 else 0, block
 
 
@@ -837,9 +848,9 @@ class Receiver:
         if not self._readable(tile, block, self._max_age(), now):
             return None
         if i16:
-            raw, = struct.unpack_from("<h", block.cells, 2 * ((y & 15) * 32 + (x & 31)))
+            raw, = struct.unpack_from("<h", block.cells(), 2 * ((y & 15) * 32 + (x & 31)))
             return None if raw == -32768 else (raw, block)
-        raw = block.cells[y * 32 + (x & 31)]
+        raw = block.cells()[y * 32 + (x & 31)]
         return None if raw == 255 else (raw, block)
 
     def grid(self):
@@ -871,9 +882,10 @@ class Receiver:
                     if not self._readable(tile, block, max_age, now):
                         continue
                     first = ty * 32 + half * 16
+                    cells = block.cells()
                     for y in range(max(first, y_min), min(first + 32 // halves, y_min + rows)):
                         at = (y - first) * 32 - tx * 32
-                        yield (y - y_min) * columns + begin - x_min, block.cells[width * (at + begin):width * (at + end)], block
+                        yield (y - y_min) * columns + begin - x_min, cells[width * (at + begin):width * (at + end)], block
 
     def copy_cost(self, now=None):
         """The whole window: a bytearray, rows of growing y, in a row growing x; empty while no window is known. When the
