@@ -1229,6 +1229,8 @@ inline Verdict Receiver::check_sender(const Opened& opened, Time now) {
     if (verdict != Verdict::accepted) return verdict;
     begin_boot(opened.boot_id, now);
   }
+  // outside of any stream: answers to somebody who has none (yet)
+  if (opened.seq == 0 && (opened.type == detail::kCookie || opened.type == detail::kPong)) return Verdict::accepted;
   return sequence_.note(opened.seq) ? Verdict::accepted : Verdict::sequence;
 }
 

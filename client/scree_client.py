@@ -550,6 +550,8 @@ class Receiver:
             if verdict != "accepted":
                 return verdict
             self._begin_boot(opened.boot_id, now)
+        if opened.seq == 0 and opened.type in (_COOKIE, _PONG):
+            return "accepted"  # outside of any stream: an answer to somebody who has none (yet)
         return "accepted" if self._sequence.note(opened.seq) else "sequence"
 
     def _begin_boot(self, boot_id, now):

@@ -79,6 +79,49 @@ void set_option(int fd, int level, int option, int value) {
   (void)setsockopt(fd, level, option, &value, sizeof value);  // buffer sizes are wishes
 }
 
+Status set_required(int fd, int level, int option, const void* value, socklen_t size, const std::string& what,
+                    const Endpoint& endpoint) {
+  if (setsockopt(fd, level, option, value, size) == 0) return {};
+  return unavailable(what, endpoint, errno);
+}
+
+/// Never fragment.
+Status set_df(int fd, const Endpoint& endpoint, const std::string& what) {
+  const int discover = endpoint.v6 ? IPV6_PMTUDISC_DO : IP_PMTUDISC_DO;
+  return set_required(fd, endpoint.v6 ? IPPROTO_IPV6 : IPPROTO_IP, endpoint.v6 ? IPV6_MTU_DISCOVER : IP_MTU_DISCOVER,
+                      &discover, sizeof discover, what, endpoint);
+}
+
+/// The interface by its IPv4 address; "" = the kernel's choice.
+Result<in_addr> parse_interface(const std::string& text, const std::string& what) {
+  in_addr address{};
+  if (text.empty() || inet_pton(AF_INET, text.c_str(), &address) == 1) return address;
+  return Error{ErrorKind::usage, fmt::format("{}: expected the IPv4 address of an interface, found '{}'", what, text)};
+}
+
+Status set_multicast_way(int fd, const Endpoint& group, const std::string& what, const MulticastWay& way) {
+  if (group.v6) return set_required(fd, IPPROTO_IPV6, IPV6_MULTICAST_HOPS, &way.ttl, sizeof way.ttl, what, group);
+  const auto interface = parse_interface(way.interface_, what);
+  if (!interface) return interface.error();
+  if (auto set = set_required(fd, IPPROTO_IP, IP_MULTICAST_TTL, &way.ttl, sizeof way.ttl, what, group); !set)
+    return set;
+  return set_required(fd, IPPROTO_IP, IP_MULTICAST_IF, &*interface, sizeof *interface, what, group);
+}
+
+Status join(int fd, const Endpoint& group, const std::string& what, const std::string& interface_address) {
+  if (group.v6) {
+    ipv6_mreq request{};
+    std::memcpy(&request.ipv6mr_multiaddr, group.address.data(), 16);
+    return set_required(fd, IPPROTO_IPV6, IPV6_JOIN_GROUP, &request, sizeof request, what, group);
+  }
+  const auto interface = parse_interface(interface_address, what);
+  if (!interface) return interface.error();
+  ip_mreq request{};
+  std::memcpy(&request.imr_multiaddr, group.address.data(), 4);
+  request.imr_interface = *interface;
+  return set_required(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request, what, group);
+}
+
 std::uint32_t overflow_count(msghdr& message, std::uint32_t before) {
   std::uint32_t count = before;
   for (cmsghdr* item = CMSG_FIRSTHDR(&message); item != nullptr; item = CMSG_NXTHDR(&message, item))
@@ -147,32 +190,37 @@ UdpSocket::UdpSocket(UdpSocket&&) noexcept = default;
 UdpSocket& UdpSocket::operator=(UdpSocket&&) noexcept = default;
 UdpSocket::~UdpSocket() = default;
 
-Result<UdpSocket> UdpSocket::bind(const Endpoint& local, const std::string& what) {
+Result<UdpSocket> UdpSocket::bind(const Endpoint& local, const std::string& what,
+                                  const std::string& multicast_interface) {
   auto state = std::make_unique<State>(open_socket(local));
   if (state->fd < 0) return unavailable(what, local, errno);
+  if (local.multicast()) set_option(state->fd, SOL_SOCKET, SO_REUSEADDR, 1);  // one group, many members on a machine
   const SocketAddress address = to_socket_address(local);
   if (::bind(state->fd, address.get(), address.size) != 0) return unavailable(what, local, errno);
   set_option(state->fd, SOL_SOCKET, SO_RCVBUF, kReceiveBufferBytes);
+  set_option(state->fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);
   set_option(state->fd, SOL_SOCKET, SO_RXQ_OVFL, 1);
+  if (auto set = set_df(state->fd, local, what); !set) return set.error();
+  if (local.multicast())
+    if (auto joined = join(state->fd, local, what, multicast_interface); !joined) return joined.error();
   state->buffers.resize(kBatch);
   return UdpSocket(std::move(state));
 }
 
-Result<UdpSocket> UdpSocket::connect_to(const Endpoint& destination, const std::string& what) {
+Result<UdpSocket> UdpSocket::connect_to(const Endpoint& destination, const std::string& what, const MulticastWay& way) {
   auto state = std::make_unique<State>(open_socket(destination));
   if (state->fd < 0) return unavailable(what, destination, errno);
+  if (destination.multicast())  // before connecting: it decides the local address
+    if (auto set = set_multicast_way(state->fd, destination, what, way); !set) return set.error();
   const SocketAddress address = to_socket_address(destination);
   if (connect(state->fd, address.get(), address.size) != 0) return unavailable(what, destination, errno);
   set_option(state->fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);
-  const int discover = destination.v6 ? IPV6_PMTUDISC_DO : IP_PMTUDISC_DO;
-  const int level = destination.v6 ? IPPROTO_IPV6 : IPPROTO_IP;
-  const int option = destination.v6 ? IPV6_MTU_DISCOVER : IP_MTU_DISCOVER;
-  if (setsockopt(state->fd, level, option, &discover, sizeof discover) != 0)
-    return unavailable(what, destination, errno);
+  if (auto set = set_df(state->fd, destination, what); !set) return set.error();
   return UdpSocket(std::move(state));
 }
 
-UdpSocket::Sent UdpSocket::send(std::span<const std::span<const std::uint8_t>> datagrams) {
+UdpSocket::Sent UdpSocket::send(std::span<const std::span<const std::uint8_t>> datagrams, const Endpoint* to) {
+  SocketAddress address = to != nullptr ? to_socket_address(*to) : SocketAddress{};
   Sent result;
   int refusals = 0;
   while (result.datagrams < datagrams.size()) {
@@ -184,6 +232,9 @@ UdpSocket::Sent UdpSocket::send(std::span<const std::span<const std::uint8_t>> d
       vectors[i] = {const_cast<std::uint8_t*>(datagram.data()), datagram.size()};  // sendmmsg does not write
       messages[i].msg_hdr.msg_iov = &vectors[i];
       messages[i].msg_hdr.msg_iovlen = 1;
+      if (to == nullptr) continue;
+      messages[i].msg_hdr.msg_name = &address.storage;
+      messages[i].msg_hdr.msg_namelen = address.size;
     }
     const int sent = sendmmsg(state_->fd, messages.data(), static_cast<unsigned>(count), MSG_DONTWAIT);
     if (sent > 0) {

@@ -474,7 +474,10 @@ def subscription():
     nack = lambda layer, *tiles: struct.pack("<QBB6x", 77, layer, len(tiles)).hex() + "".join(
         struct.pack("<ii", *tile).hex() for tile in tiles)
     s.expect(0, f"request 6 {body(0)}", "request 0 -")
-    s.receive(5, n.cookie(77))
+    n.seq = 9
+    s.receive(5, n.cookie(77, seq=0), n.cookie(77, seq=0))  # outside of the stream: not judged by the sequence window
+    s.receive(5, n.heartbeat(seq=0), n.heartbeat())
+    s.receive(5, n.heartbeat(seq=0), verdict="sequence")
     s.expect(99, "request 9 *", "request 0 -")
     s.expect(100, f"request 6 {body(77)}", "request 0 -")
     s.receive(110, n.announce(-32, 0, 96, 32), n.heartbeat(), n.tile(0, 0), n.tile(1, 0), n.tile(-1, 0))
