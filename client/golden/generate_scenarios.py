@@ -587,6 +587,21 @@ def blake2b_vectors():
                 yield f"{key.hex() or '-'} {data.hex() or '-'} {out}"
 
 
+def write_corpus(folder):
+    """Seeds of the fuzz target `client`: per datagram u16 length, u8 milliseconds since the last one, the bytes."""
+    folder.mkdir(parents=True, exist_ok=True)
+    read = lambda name: bytes.fromhex("".join(
+        line for line in (FOLDER.parent / f"{name}.hex").read_text().splitlines() if not line.startswith("#")))
+    n = Node(0x0123456789ABCDEF, 7)
+    first = [n.announce(-128, 160, 32, 32), n.heartbeat()]
+    framed = lambda datagrams: b"".join(struct.pack("<HB", len(data), 20) + data for data in datagrams)
+    for file in sorted(FOLDER.parent.glob("*.hex")):
+        (folder / file.stem).write_bytes(framed(first + [read(file.stem)]))
+    session = ["tile_cost_raw", "tile_cost_run_length", "tile_elevation_lower", "tile_elevation_upper", "manifest", "cookie",
+               "pose", "pong", "tile_cell_state", "bye"]
+    (folder / "session").write_bytes(framed(first + [read(name) for name in session]))
+
+
 def main():
     scenarios = {
         "map_appears": map_appears(), "layers": layers(), "silence": silence(), "announced_times": announced_times(),
@@ -600,6 +615,7 @@ def main():
     scenarios.update((f"golden_{name}", scenario) for name, scenario in golden_tiles())
     (FOLDER.parent / "blake2b.txt").write_text("\n".join(blake2b_vectors()) + "\n")
     FOLDER.mkdir(exist_ok=True)
+    write_corpus(FOLDER.parents[2] / "tests/fuzz/corpus/client")
     for name, scenario in scenarios.items():
         (FOLDER / f"{name}.txt").write_text("\n".join(scenario.lines) + "\n")
 

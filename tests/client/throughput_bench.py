@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Does the Python client keep up? A 400 x 400 map, four layers, 30 % of the tiles changing, at multiples of 10 Hz.
+"""Do the clients keep up? A 400 x 400 map, four layers, 30 % of the tiles changing, at multiples of 10 Hz.
 
-python3 tests/client/throughput_bench.py build/release/tests/tools/send_map [--seconds S]
+python3 tests/client/throughput_bench.py build/release/tests/tools [--seconds S]
 
-Prints a table: what was sent, lost, and which share of a core the client took; then what accept() takes alone.
+Prints a table: what was sent, lost, and which share of a core the client took; then what the Python client's accept()
+takes alone.
 """
 import argparse
 import json
+import pathlib
 import subprocess
 import time
 
@@ -16,10 +18,27 @@ import scree_client as sc
 LAYERS = (sc.COST, sc.ELEVATION, sc.CELL_STATE, sc.DIMENSION)
 
 
-def run(send_map, rate, seconds):
+def start_sender(tools, port, rate, seconds):
+    return subprocess.Popen([tools / "send_map", "--to", f"127.0.0.1:{port}", "--rate", str(rate), "--duration", str(seconds)],
+                            stdout=subprocess.PIPE)
+
+
+def report(language, rate, wall, busy, sent, datagrams, accepted, overflowed):
+    print(f"| {language} | {rate} | {sent / wall:.0f} | {sent} | {sent - datagrams} | {overflowed} | {datagrams - accepted} "
+          f"| {100 * busy / wall:.0f} % |", flush=True)
+
+
+def run_cpp(tools, rate, seconds):
+    client = subprocess.Popen([tools / "receive_map"], stdout=subprocess.PIPE)
+    sender = start_sender(tools, int(client.stdout.readline()), rate, seconds)
+    sent = json.loads(sender.communicate()[0])["sent"]
+    got = json.loads(client.communicate()[0])
+    report("C++", rate, got["wall_s"], got["cpu_s"], sent, got["datagrams"], got["accepted"], got["overflowed"])
+
+
+def run_python(tools, rate, seconds):
     client = sc.Client(sc.Config(bind="127.0.0.1:0", layers=LAYERS))
-    sender = subprocess.Popen([send_map, "--to", f"127.0.0.1:{client.port}", "--rate", str(rate), "--duration", str(seconds)],
-                              stdout=subprocess.PIPE)
+    sender = start_sender(tools, client.port, rate, seconds)
     with client:
         client.wait(10)
         wall, busy = time.monotonic(), time.process_time()
@@ -33,18 +52,15 @@ def run(send_map, rate, seconds):
                 looks += 1
                 client.copy_cost()
         wall, busy = time.monotonic() - wall, time.process_time() - busy
-        sent = json.loads(sender.communicate()[0])
+        sent = json.loads(sender.communicate()[0])["sent"]
         counters = client.counters
-        lost = sent["sent"] - counters["datagrams"]
-        print(f"| {rate:5.0f} | {sent['sent'] / wall:6.0f} | {sent['sent']} | {lost} | {counters['overflowed']} "
-              f"| {counters['datagrams'] - counters['accepted']} | {100 * busy / wall:4.0f} % |", flush=True)
-    return lost
+        report("Python", rate, wall, busy, sent, counters["datagrams"], counters["accepted"], counters["overflowed"])
 
 
-def alone(send_map, seconds):
+def alone(tools, seconds):
     """accept() on what one run sent, without a socket."""
     client = sc.Client(sc.Config(bind="127.0.0.1:0", layers=LAYERS))
-    sender = subprocess.Popen([send_map, "--to", f"127.0.0.1:{client.port}", "--duration", str(seconds)], stdout=subprocess.PIPE)
+    sender = start_sender(tools, client.port, 10, seconds)
     datagrams = []
     with client:
         accept = client.accept
@@ -65,13 +81,14 @@ def alone(send_map, seconds):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("send_map")
+    parser.add_argument("tools", type=pathlib.Path, help="folder of send_map and receive_map")
     parser.add_argument("--seconds", type=float, default=10.0)
     options = parser.parse_args()
-    print("| Hz | datagrams/s | sent | lost | of these in the kernel | not accepted | client's CPU |\n|---|---|---|---|---|---|---|")
-    for rate in (10, 20, 40, 80):
-        run(options.send_map, rate, options.seconds)
-    alone(options.send_map, 2.0)
+    print("| client | Hz | datagrams/s | sent | lost | of these in the kernel | not accepted | CPU |\n" + 8 * "|---" + "|")
+    for rate in (10, 20, 40):
+        run_cpp(options.tools, rate, options.seconds)
+        run_python(options.tools, rate, options.seconds)
+    alone(options.tools, 2.0)
 
 
 if __name__ == "__main__":

@@ -103,9 +103,12 @@ TEST(PlannerClient, SubscribesNacksPingsAndReadsTheNodesMap) {
   EXPECT_LT(std::abs(planner.map.clock_offset().offset_ns), planner.map.clock_offset().round_trip_ns + 1'000'000)
       << "both read one clock";
   // the camera looks at flat ground at z = 0 from x = 0 on
-  const float z_m = planner.map.value(client::Layer::elevation, 0.55, 0.05);
-  EXPECT_NEAR(z_m, 0.0F, 0.05F);
-  EXPECT_EQ(planner.map.cell_state(0.55, 0.05), client::CellState::measured);
+  const auto elevation_m = [&] { return planner.map.value(client::Layer::elevation, 0.55, 0.05); };
+  ASSERT_TRUE(planner.until([&] {
+    return planner.map.cell_state(0.55, 0.05) == client::CellState::measured && !std::isnan(elevation_m()) &&
+           planner.map.cost(0.55, 0.05) != client::kCostUnknown;
+  })) << planner.known();
+  EXPECT_NEAR(elevation_m(), 0.0F, 0.05F);
   EXPECT_LE(planner.map.cost(0.55, 0.05), 252);
   EXPECT_STREQ(planner.map.announce()->frame_name, "map");
   client::Pose pose;
