@@ -516,11 +516,13 @@ inline std::size_t known_cells(const std::uint8_t* cells, bool i16) {
   return (i16 ? kTileArea / 2 : kTileArea) - unknown;
 }
 
-/// Pairs (count, value) that give exactly 1024 cells; `used` is how many bytes they took.
-inline Verdict expand_runs(const std::uint8_t* data, std::size_t size, std::uint8_t* cells, std::size_t& used) {
+/// Pairs (count, value) that give exactly 1024 cells; `used` is how many bytes they took. Nothing may follow if
+/// `exact`.
+inline Verdict expand_runs(const std::uint8_t* data, std::size_t size, bool exact, std::uint8_t* cells,
+                           std::size_t& used) {
   std::size_t filled = 0;
   used = 0;
-  while (filled < kTileArea && size - used >= 2) {
+  while ((exact || filled < kTileArea) && size - used >= 2) {
     const std::size_t run = data[used];
 #ifdef SCREE_CLIENT_BUG_FOR_THE_FUZZER_TO_FIND
     if (run == 0) return Verdict::body_value;
@@ -565,7 +567,7 @@ inline Verdict decode_tile(const Opened& opened, TileBlock& out, std::uint8_t* s
     if (size < used) return Verdict::body_length;
     for (std::size_t i = 0; i < kTileArea; ++i) scratch[i] = data[i % used];
   } else if (encoding == 4 && !i16) {  // run-length
-    const Verdict verdict = expand_runs(data, size, scratch, used);
+    const Verdict verdict = expand_runs(data, size, opened.minor == 0, scratch, used);
     if (verdict != Verdict::accepted) return verdict;
   } else if (encoding == (i16 ? 1U : 0U)) {
     out.cells = data;

@@ -231,13 +231,14 @@ class _LayerTile:
         return min(lower, self.block[1].rev if self.block[1] else 0)
 
 
-def _check_runs(data):
-    """Pairs (count, value) that give exactly 1024 cells: verdict and how many bytes they take."""
+def _check_runs(data, exact):
+    """Pairs (count, value) that give exactly 1024 cells: verdict and how many bytes they take. Nothing may follow if
+    `exact`."""
     counts = data[0::2]
     if len(data) % 2 == 0 and sum(counts) == _TILE_AREA and not counts.count(0):
         return "accepted", len(data)
     filled = used = 0
-    while filled < _TILE_AREA and len(data) - used >= 2:
+    while (exact or filled < _TILE_AREA) and len(data) - used >= 2:
         run = data[used]
         if run == 0 or run > _TILE_AREA - filled:
             return "body_value", 0
@@ -288,7 +289,7 @@ def _decode_tile(opened):
             return ("body_length",) + bad
         cells = body[32:32 + used] * (_TILE_AREA // used)
     elif encoding == 4 and not i16:  # run-length
-        verdict, used = _check_runs(body[32:])
+        verdict, used = _check_runs(body[32:], opened.minor == 0)
         if verdict != "accepted":
             return (verdict,) + bad
         cells, runs = None, body[32:32 + used]

@@ -365,9 +365,10 @@ def bad_bodies():
     runs = lambda payload, known: struct.pack("<iiIBBBBBBHffI", 0, 0, 9, 0, 4, 5, 0, 32, 0, known, 1.0, 0.0, 0) + payload
     s.receive(0, n.seal(2, runs(bytes([0, 1]) + bytes([255, 1] * 4 + [4, 1]), 1024)),
               n.seal(2, runs(bytes([255, 1] * 4 + [5, 1]), 1024)), n.seal(2, runs(bytes([255, 1] * 5), 1024)),
-              n.seal(2, runs(bytes([255, 1] * 4 + [4, 255]), 1024)), verdict="body_value")
+              n.seal(2, runs(bytes([255, 1] * 4 + [4, 255]), 1024)),
+              n.seal(2, runs(bytes([255, 1] * 4 + [4, 1, 1, 1]), 1024)), verdict="body_value")
     s.receive(0, n.seal(2, runs(bytes([255, 1] * 4 + [3, 1]), 1024)), n.seal(2, runs(bytes([255, 1] * 4 + [4]), 1024)),
-              n.seal(2, runs(bytes([255, 1] * 4 + [4, 1, 1, 1]), 1024)), verdict="body_length")
+              n.seal(2, runs(bytes([255, 1] * 4 + [4, 1, 1]), 1024)), verdict="body_length")
     for columns, rows, tx in ((0, 1, 0), (257, 1, 0), (2, 129, 0), (1, 1, 2**26), (2, 1, 2**26 - 1)):
         s.receive(0, n.seal(3, struct.pack("<iiHHBBH", tx, 0, columns, rows, 0, 5, 0) + bytes(4 * min(columns * rows, 9))),
                   verdict="body_value")

@@ -57,7 +57,7 @@ class Session {
     config.stream_id = 7;
     config.node = "127.0.0.1:1";
     config.layers = 0x7FF;
-    config.max_window_tiles = 16;
+    config.max_window_tiles = 6;
     config.accept_origins = client::origin_bit(client::Origin::live) | client::origin_bit(client::Origin::sim);
     if (keyed) config.keys[0] = key();
     expect(receiver.open(config, client::Time{}));
