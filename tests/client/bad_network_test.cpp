@@ -68,6 +68,16 @@ TEST_P(BadNetworks, BurstsOfFiveWithNackAreCurrentWithinASecond) {
   EXPECT_LE(result.judgement.revisions_behind, 5U + 15U);
 }
 
+// Without copies in advance, NACKs alone: of 30 % lost, nine rounds of 0.51 and a late manifest leave 1e-3.
+TEST_P(BadNetworks, ThirtyPercentLossWithNackButNoRepeatsIsNearlyAsGood) {
+  if (GetParam() == Language::python) GTEST_SKIP() << "the C++ client's figure will do";
+  auto simulation = settings(true, 300, 120);
+  simulation.down.loss = simulation.up.loss = 0.3;
+  const auto result = run(simulation, {.subscribe = true, .repeats = 0, .key = {}});
+  EXPECT_GE(result.share_current(), 0.997);
+  EXPECT_EQ(result.judgement.wrong, 0U) << result.judgement.first_wrong;
+}
+
 // One way: seven copies within six refreshes; 0.3^7 = 2e-4 for a block, 4e-4 for both halves of elevation, 3e-4 on
 // average.
 TEST_P(BadNetworks, ThirtyPercentLossOneWayIsCurrentWithinSixRefreshes) {
