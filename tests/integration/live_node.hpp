@@ -66,6 +66,13 @@ inline std::vector<std::string> live(const std::filesystem::path& config, const 
   return command(std::move(arguments));
 }
 
+/// From the line that names the port of the kernel's choice.
+inline std::string listening_address(const std::string& log) {
+  const std::string mark = "listening at ";
+  const std::size_t begin = log.find(mark) + mark.size();
+  return log.substr(begin, log.find_first_of(",\n", begin) - begin);
+}
+
 /// How often `text` stands in `whole`.
 inline int occurrences(const std::string& whole, const std::string& text) {
   int count = 0;
