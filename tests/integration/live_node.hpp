@@ -6,6 +6,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,16 @@ using std::chrono::seconds;
 /// Hears everything.
 class Ear {
  public:
-  Ear() {
-    auto opened =
-        node::Listener::open("127.0.0.1:0", {drivers::Origin::live, drivers::Origin::replay, drivers::Origin::sim});
+  Ear() : Ear(std::nullopt) {}
+  /// What is signed with `key` alone.
+  explicit Ear(const std::optional<node::protocol::Key>& key) {
+    node::ListenerConfig config;
+    config.address = "127.0.0.1:0";
+    config.accept = {drivers::Origin::live, drivers::Origin::replay, drivers::Origin::sim};
+    if (key) {
+      EXPECT_TRUE(config.keys.add(*key));
+    }
+    auto opened = node::Listener::open(config);
     EXPECT_TRUE(opened) << (opened ? "" : opened.error().message);
     if (opened) listener_ = *std::move(opened);
   }
