@@ -17,9 +17,11 @@ int run_at(std::span<const std::int16_t> raw, std::size_t begin) {
   return static_cast<int>(end - begin);
 }
 
+/// Gives up, with raw.size(), as soon as it is not shorter than that.
 std::size_t run_length_bytes(std::span<const std::int16_t> raw) {
   std::size_t bytes = 0;
-  for (std::size_t i = 0; i < raw.size(); i += static_cast<std::size_t>(run_at(raw, i))) bytes += 2;
+  for (std::size_t i = 0; i < raw.size() && bytes < raw.size(); i += static_cast<std::size_t>(run_at(raw, i)))
+    bytes += 2;
   return bytes;
 }
 
@@ -49,7 +51,7 @@ void put_cells(ByteWriter& writer, Layer layer, Encoding encoding, std::span<con
       i += static_cast<std::size_t>(run);
     }
   } else {
-    for (const std::int16_t value : raw) put_raw(writer, type, value);
+    writer.put_all(raw, type == Encoding::i16 ? 2 : 1);
   }
 }
 

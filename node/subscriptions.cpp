@@ -92,6 +92,7 @@ RequestOutcome Subscriptions::nack(const Request& request, const protocol::Nack&
   }
   Slot& slot = slots_[*held];
   if (!fresh(slot, request)) return {};
+  slot.lease_end = now + kLease;  // whoever misses something is there: on a bad way it renews more often than SUBSCRIBE
   slot.nacks.refill(now);
   if (!slot.nacks.has_token()) {
     ++counters.rate_limited;

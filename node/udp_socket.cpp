@@ -1,9 +1,7 @@
 #include "node/udp_socket.hpp"
 
 #include <algorithm>
-#include <arpa/inet.h>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -11,6 +9,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 #include <vector>
+
+#include "node/udp_options.hpp"
 
 namespace scree::node {
 namespace {
@@ -64,62 +64,8 @@ Endpoint from_socket_address(const sockaddr_storage& storage) {
   return out;
 }
 
-Error unavailable(const std::string& what, const Endpoint& endpoint, int error) {
-  if (error == EADDRINUSE)
-    return {ErrorKind::unavailable,
-            fmt::format("{} {}: expected a free UDP port, found it in use", what, to_string(endpoint))};
-  return {ErrorKind::unavailable, fmt::format("{} {}: {}", what, to_string(endpoint), std::strerror(error))};
-}
-
 int open_socket(const Endpoint& endpoint) {
   return socket(endpoint.v6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-}
-
-void set_option(int fd, int level, int option, int value) {
-  (void)setsockopt(fd, level, option, &value, sizeof value);  // buffer sizes are wishes
-}
-
-Status set_required(int fd, int level, int option, const void* value, socklen_t size, const std::string& what,
-                    const Endpoint& endpoint) {
-  if (setsockopt(fd, level, option, value, size) == 0) return {};
-  return unavailable(what, endpoint, errno);
-}
-
-/// Never fragment.
-Status set_df(int fd, const Endpoint& endpoint, const std::string& what) {
-  const int discover = endpoint.v6 ? IPV6_PMTUDISC_DO : IP_PMTUDISC_DO;
-  return set_required(fd, endpoint.v6 ? IPPROTO_IPV6 : IPPROTO_IP, endpoint.v6 ? IPV6_MTU_DISCOVER : IP_MTU_DISCOVER,
-                      &discover, sizeof discover, what, endpoint);
-}
-
-/// The interface by its IPv4 address; "" = the kernel's choice.
-Result<in_addr> parse_interface(const std::string& text, const std::string& what) {
-  in_addr address{};
-  if (text.empty() || inet_pton(AF_INET, text.c_str(), &address) == 1) return address;
-  return Error{ErrorKind::usage, fmt::format("{}: expected the IPv4 address of an interface, found '{}'", what, text)};
-}
-
-Status set_multicast_way(int fd, const Endpoint& group, const std::string& what, const MulticastWay& way) {
-  if (group.v6) return set_required(fd, IPPROTO_IPV6, IPV6_MULTICAST_HOPS, &way.ttl, sizeof way.ttl, what, group);
-  const auto interface = parse_interface(way.interface_, what);
-  if (!interface) return interface.error();
-  if (auto set = set_required(fd, IPPROTO_IP, IP_MULTICAST_TTL, &way.ttl, sizeof way.ttl, what, group); !set)
-    return set;
-  return set_required(fd, IPPROTO_IP, IP_MULTICAST_IF, &*interface, sizeof *interface, what, group);
-}
-
-Status join(int fd, const Endpoint& group, const std::string& what, const std::string& interface_address) {
-  if (group.v6) {
-    ipv6_mreq request{};
-    std::memcpy(&request.ipv6mr_multiaddr, group.address.data(), 16);
-    return set_required(fd, IPPROTO_IPV6, IPV6_JOIN_GROUP, &request, sizeof request, what, group);
-  }
-  const auto interface = parse_interface(interface_address, what);
-  if (!interface) return interface.error();
-  ip_mreq request{};
-  std::memcpy(&request.imr_multiaddr, group.address.data(), 4);
-  request.imr_interface = *interface;
-  return set_required(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request, what, group);
 }
 
 std::uint32_t overflow_count(msghdr& message, std::uint32_t before) {
@@ -131,41 +77,6 @@ std::uint32_t overflow_count(msghdr& message, std::uint32_t before) {
 }
 
 }  // namespace
-
-Result<Endpoint> parse_address(const std::string& text, const std::string& what) {
-  Endpoint out;
-  const std::string name = text == "localhost" ? "127.0.0.1" : text;
-  if (inet_pton(AF_INET, name.c_str(), out.address.data()) == 1) return out;
-  out.v6 = true;
-  const bool bracketed = name.size() > 2 && name.front() == '[' && name.back() == ']';
-  const std::string bare = bracketed ? name.substr(1, name.size() - 2) : name;
-  if (inet_pton(AF_INET6, bare.c_str(), out.address.data()) == 1) return out;
-  return Error{ErrorKind::usage,
-               fmt::format("{}: expected a numeric address such as 127.0.0.1, found '{}'", what, text)};
-}
-
-Result<Endpoint> parse_endpoint(const std::string& text, const std::string& what) {
-  const std::size_t colon = text.rfind(':');
-  unsigned port = 65536;
-  if (colon != std::string::npos) {
-    const char* const end = text.data() + text.size();
-    const auto parsed = std::from_chars(text.data() + colon + 1, end, port);
-    if (parsed.ec != std::errc{} || parsed.ptr != end) port = 65536;
-  }
-  if (port > 65535)
-    return Error{ErrorKind::usage,
-                 fmt::format("{}: expected ADDRESS:PORT with a port of 0 … 65535, found '{}'", what, text)};
-  auto address = parse_address(text.substr(0, colon), what);
-  if (!address) return address.error();
-  address->port = static_cast<std::uint16_t>(port);
-  return address;
-}
-
-std::string to_string(const Endpoint& endpoint) {
-  char text[INET6_ADDRSTRLEN] = "";
-  inet_ntop(endpoint.v6 ? AF_INET6 : AF_INET, endpoint.address.data(), text, sizeof text);
-  return endpoint.v6 ? fmt::format("[{}]:{}", text, endpoint.port) : fmt::format("{}:{}", text, endpoint.port);
-}
 
 struct UdpSocket::State {
   int fd = -1;
@@ -202,7 +113,7 @@ Result<UdpSocket> UdpSocket::bind(const Endpoint& local, const std::string& what
   set_option(state->fd, SOL_SOCKET, SO_RXQ_OVFL, 1);
   if (auto set = set_df(state->fd, local, what); !set) return set.error();
   if (local.multicast())
-    if (auto joined = join(state->fd, local, what, multicast_interface); !joined) return joined.error();
+    if (auto joined = join_group(state->fd, local, what, multicast_interface); !joined) return joined.error();
   state->buffers.resize(kBatch);
   return UdpSocket(std::move(state));
 }

@@ -146,7 +146,20 @@ def write_corpus(folder):
                                              "tile_elevation_upper", "manifest", "tile_cell_state", "bye"]))
 
 
+def write_requests(folder):
+    """Seeds of the fuzz target `request`: per datagram u8 command, client and time, u16 length, the body."""
+    folder.mkdir(parents=True, exist_ok=True)
+    bodies = {name: data[64:] for name, _, data in vectors() if data[6] in (6, 8, 9) and not data[7] & 1}
+    step = lambda command, name, client=1, time=10: struct.pack("<BBBH", command, client, time, len(bodies[name])) + bodies[name]
+    kinds = {"subscribe": 0, "subscribe_first": 0, "subscribe_end": 0, "nack": 1, "nack_full": 1, "ping": 2}
+    for name, kind in kinds.items():
+        (folder / name).write_bytes(step(0, "subscribe_first") + step(16, "subscribe") + step(16 | kind, name))
+    (folder / "leases").write_bytes(b"".join(step(16, "subscribe", client, 40) for client in range(6)) * 5)
+    (folder / "spoilt").write_bytes(step(128, "subscribe") + step(129, "nack") + step(3, "ping") + step(24, "subscribe"))
+
+
 for name, comment, data in vectors():
     lines = [data[i:i + 16].hex(" ") for i in range(0, len(data), 16)]
     (HERE / f"{name}.hex").write_text(f"# {comment}\n" + "\n".join(lines) + "\n")
 write_corpus(HERE.parent.parent / "tests/fuzz/corpus/datagram")
+write_requests(HERE.parent.parent / "tests/fuzz/corpus/request")

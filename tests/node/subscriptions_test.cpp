@@ -163,8 +163,11 @@ TEST(Subscriptions, OnlySubscribersAreHeardWithANack) {
   EXPECT_EQ(desk.nack(client, cookie + 1).what, What::nothing);
   EXPECT_EQ(desk.subscriptions.counters.cookie_unknown, 1u);
   EXPECT_EQ(desk.subscriptions.counters.nack_tiles, 3u);
+  desk.now += 2s;
+  EXPECT_EQ(desk.nack(client, cookie).what, What::resend);
+  EXPECT_EQ(desk.subscriptions.next_expiry(), desk.now + 3s) << "it renews the lease";
   for (int i = 0; i < 1000; ++i) desk.nack(client, cookie);
-  EXPECT_EQ(desk.subscriptions.counters.nacks, 200u);  // in one moment; the first one included
+  EXPECT_EQ(desk.subscriptions.counters.nacks, 1u + 200u);  // 200 in one moment
   EXPECT_EQ(desk.subscriptions.counters.rate_limited, 801u);
   desk.now += 1s;
   EXPECT_EQ(desk.nack(client, cookie).what, What::resend);
