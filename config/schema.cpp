@@ -54,7 +54,10 @@ class TreeReader {
     given_.emplace_back(key.name, at);
     if (key.read(value)) return;
     if (value.kind != YamlNode::Kind::null && value.line > 0 && at.line > 0) at = {file_, value.line, value.column};
-    faults_.add(at, key.name, key.expected, describe(value));
+    const auto flaw = key.explain ? key.explain(value) : std::nullopt;
+    if (!flaw) return faults_.add(at, key.name, key.expected, describe(value));
+    if (flaw->line > 0 && at.line > 0) at = {file_, flaw->line, flaw->column};
+    faults_.add(at, key.name, flaw->expected, flaw->found);
   }
 
   bool is_section(std::string_view name) const {

@@ -15,6 +15,14 @@
 
 namespace scree::config {
 
+/// What is wrong inside a value that is more than a scalar. Line 0: at the value itself.
+struct Flaw {
+  int line = 0;
+  int column = 0;
+  std::string expected;
+  std::string found;
+};
+
 /// One key of a T.
 template <class T>
 struct Key {
@@ -28,6 +36,8 @@ struct Key {
   std::string applies_to;                           ///< says when, for messages and the table
   bool required = false;
   std::string applies_key = {};  ///< the key that decides it: while that one is faulty nothing is said of this one
+  /// For composite values: what exactly `read` did not take.
+  std::function<std::optional<Flaw>(const YamlNode&)> explain = nullptr;
 };
 
 /// A contradiction between keys: `check` returns {expected, found} when it is there.
@@ -65,6 +75,7 @@ void append(Schema<T>& outer, const std::string& prefix, const Lens<T, U>& lens,
     if (!key.applies_key.empty()) lifted.applies_key = prefix + key.applies_key;
     lifted.read = [read = key.read, lens](const YamlNode& node, T& owner) { return read(node, lens(owner)); };
     lifted.write = [write = key.write, lens](const T& owner) { return write(view(lens, owner)); };
+    lifted.explain = key.explain;
     lifted.copy = [copy = key.copy, lens](const T& from, T& to) { copy(view(lens, from), lens(to)); };
     if (key.applies)
       lifted.applies = [applies = key.applies, lens](const T& owner) { return applies(view(lens, owner)); };
@@ -84,6 +95,7 @@ struct BoundKey {
   std::string expected;
   std::function<bool(const YamlNode&)> read;
   bool required = false;
+  std::function<std::optional<Flaw>(const YamlNode&)> explain;
 };
 
 /// Where each key was given; the last of several places wins (`--set` over the file).
@@ -106,8 +118,8 @@ std::vector<BoundKey> bind(const Schema<T>& schema, T& owner) {
   std::vector<BoundKey> bound;
   bound.reserve(schema.keys.size());
   for (const auto& key : schema.keys)
-    bound.push_back(
-        {key.name, key.expected, [&key, &owner](const YamlNode& node) { return key.read(node, owner); }, key.required});
+    bound.push_back({key.name, key.expected, [&key, &owner](const YamlNode& node) { return key.read(node, owner); },
+                     key.required, key.explain});
   return bound;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Everything a user can set, typed. The YAML keys are the member names (docs/configuration.md); the loader checks them.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -22,13 +23,25 @@ struct PoseSettings {
   int max_age_ms = 200;     ///< for `udp`: an older pose maps nothing
 };
 
+/// A key of the datagrams' MAC. Its bytes are shown nowhere: not in messages, not in a dump, not in its hash.
+struct KeySettings {
+  std::uint16_t id = 0;                  ///< 1 … 65535
+  std::array<std::uint8_t, 32> bytes{};  ///< as given, or read from `file`
+  std::string file;                      ///< empty = given as hex
+};
+
 struct PublishSettings {
   std::string destination = "127.0.0.1:47800";
   std::string listen = "127.0.0.1:47801";          ///< port 0 = any free one, printed
   drivers::Origin origin = drivers::Origin::live;  ///< live | sim | hil; replays always say REPLAY
   int refresh_ms = 1000;
   int cell_max_age_ms = 0;     ///< 0 = no limit
-  int datagrams_per_s = 3000;  ///< pacing
+  int datagrams_per_s = 3000;  ///< pacing of each destination
+  int max_subscribers = 16;
+  int multicast_ttl = 1;
+  std::string multicast_interface;  ///< address of the interface that a multicast destination is sent by; empty = the
+                                    ///< kernel's choice
+  std::vector<KeySettings> keys;    ///< at most two; the first signs
   std::uint32_t stream_id = 1;
   std::string frame_name = "map";
   std::string node_name = "scree";

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "config/key_types.hpp"
+#include "config/mac_keys.hpp"
 #include "config/sensor_schema.hpp"
 #include "config/values.hpp"
 #include "drivers/stream_socket.hpp"
@@ -118,7 +119,7 @@ bool accept_destination(const std::string& text) {
   return is_endpoint(text, 1);
 }
 bool accept_listen(const std::string& text) {
-  return is_endpoint(text, 0);
+  return is_endpoint(text, 0) && !text.starts_with("0.0.0.0:");
 }
 bool accept_name(const std::string& text) {
   return !text.empty() && text.size() <= 31 &&
@@ -171,7 +172,7 @@ Schema<PublishSettings> publish_schema() {
           "destination", [](P& p) -> std::string& { return p.destination; }, "IPv4-ADDRESS:PORT", accept_destination,
           "Where map datagrams go."),
       text<P>(
-          "listen", [](P& p) -> std::string& { return p.listen; }, "IPv4-ADDRESS:PORT (port 0 = any free one)",
+          "listen", [](P& p) -> std::string& { return p.listen; }, "IPv4-ADDRESS:PORT of this machine (not 0.0.0.0; port 0 = any free one)",
           accept_listen, "Where the node hears its clients and pose sources."),
       choice<P, drivers::Origin>(
           "origin", [](P& p) -> drivers::Origin& { return p.origin; },
@@ -184,7 +185,19 @@ Schema<PublishSettings> publish_schema() {
           "cell_max_age_ms", [](P& p) -> int& { return p.cell_max_age_ms; }, kMilliseconds,
           "Receivers take older blocks as unknown; 0 = no limit."),
       integer<P, int>(
-          "datagrams_per_s", [](P& p) -> int& { return p.datagrams_per_s; }, {100, 1e6, false}, "Pacing."),
+          "datagrams_per_s", [](P& p) -> int& { return p.datagrams_per_s; }, {100, 1e6, false},
+          "Pacing of each destination."),
+      integer<P, int>(
+          "max_subscribers", [](P& p) -> int& { return p.max_subscribers; }, {0, 256, false},
+          "Destinations that may subscribe at one time."),
+      integer<P, int>(
+          "multicast_ttl", [](P& p) -> int& { return p.multicast_ttl; }, {0, 255, false},
+          "Routers that datagrams to a multicast destination pass, plus 1."),
+      text<P>(
+          "multicast_interface", [](P& p) -> std::string& { return p.multicast_interface; }, "an IPv4 address or \"\"",
+          accept_address_or_empty,
+          "Address of the interface for a multicast destination; empty = the kernel's choice."),
+      mac_keys(),
       integer<P, std::uint32_t>(
           "stream_id", [](P& p) -> std::uint32_t& { return p.stream_id; },
           {0, std::numeric_limits<std::uint32_t>::max(), false}, "One map of one node."),

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "node/listener_client.hpp"
 #include "node/protocol_layers.hpp"
 
 namespace scree::node {
@@ -68,6 +69,34 @@ std::optional<std::vector<std::string>> announced_layers(const Listener& listene
   return names;
 }
 
+namespace {
+
+/// The reasons that occurred.
+nlohmann::ordered_json reasons_json(const ListenerCounters& counters) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (std::size_t i = 1; i < counters.rejected_by.size(); ++i)
+    if (counters.rejected_by[i] > 0)
+      json[std::string(protocol::reject_name(static_cast<protocol::Reject>(i)))] = counters.rejected_by[i];
+  return json;
+}
+
+nlohmann::ordered_json client_json(const ClientCounters* client) {
+  if (client == nullptr) return nullptr;
+  const auto ms = [](const std::optional<Duration>& duration) -> nlohmann::ordered_json {
+    if (!duration) return nullptr;
+    return 1e-6 * static_cast<double>(duration->count());
+  };
+  return {{"subscribes", client->subscribes},
+          {"nacks", client->nacks},
+          {"nack_tiles", client->nack_tiles},
+          {"pings", client->pings},
+          {"pongs", client->pongs},
+          {"round_trip_ms", ms(client->round_trip)},
+          {"clock_offset_ms", ms(client->clock_offset)}};
+}
+
+}  // namespace
+
 std::string listen_json(const Listener& listener, const mapping::MapSnapshot* map) {
   const auto& counters = listener.counters();
   nlohmann::ordered_json json{
@@ -83,7 +112,9 @@ std::string listen_json(const Listener& listener, const mapping::MapSnapshot* ma
       {"datagrams", counters.datagrams},
       {"lost", counters.lost},
       {"rejected", counters.rejected},
+      {"rejected_by", reasons_json(counters)},
       {"refused_origin", counters.refused_origin},
+      {"client", client_json(listener.client())},
       {"tiles", counters.tiles}};
   for (const char* key : {"x_min_m", "y_min_m", "cell_m", "rows", "columns", "revision"}) json[key] = nullptr;
   if (map != nullptr) {

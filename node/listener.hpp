@@ -14,6 +14,7 @@
 #include "mapping/snapshot.hpp"
 #include "node/protocol_messages.hpp"
 #include "node/protocol_reject.hpp"
+#include "node/protocol_requests.hpp"
 
 namespace scree::node {
 
@@ -34,17 +35,34 @@ struct ListenerCounters {
   std::array<std::uint64_t, protocol::kRejectReasons> rejected_by{};  ///< by protocol::Reject
 };
 
+/// What a listener hears, and of whom it asks it.
+struct ListenerConfig {
+  std::string address = "127.0.0.1:47800";  ///< port 0 = any free one; a multicast group is joined
+  std::string multicast_interface;          ///< IPv4 address of the interface for a group; empty = the kernel's choice
+  std::set<drivers::Origin> accept;
+  std::optional<std::uint32_t> stream_id;  ///< none: the first one of an accepted origin that comes
+  protocol::KeyRing keys;                  ///< with keys, what has no MAC of one of them is refused
+  std::optional<std::string> node;         ///< subscribe there ("127.0.0.1:47801"); needs stream_id
+  protocol::Subscribe wish;                ///< for this
+};
+
+struct ClientCounters;
+
 enum class LinkState : std::uint8_t { waiting, fresh, stale, lost };
 
 class Listener {
  public:
-  /// Binds `address` ("127.0.0.1:47800"; port 0 = any free one). Listens to `stream_id`, or to the first stream of an
-  /// accepted origin that comes. Errors: unavailable (port taken), usage (not an address, or every address at once).
+  /// Binds, joins, subscribes. Errors: unavailable (port taken), usage (not an address, every address at once, a node
+  /// without a stream).
+  static Result<std::unique_ptr<Listener>> open(const ListenerConfig& config);
+  /// Hears `address` alone, without keys.
   static Result<std::unique_ptr<Listener>> open(const std::string& address, std::set<drivers::Origin> accept,
                                                 std::optional<std::uint32_t> stream_id = std::nullopt);
+  /// Ends the subscription, if there is one.
   ~Listener();
 
-  /// Receives for at most `timeout`, then applies the freshness rules. True when something arrived.
+  /// Receives for at most `timeout`, then applies the freshness rules and asks the node for what is due. True when
+  /// something arrived.
   Result<bool> poll(std::chrono::milliseconds timeout);
 
   std::uint16_t port() const;  ///< the one that is bound
@@ -58,6 +76,10 @@ class Listener {
   /// The last ANNOUNCE of the present boot: names, layers, geo anchor, times.
   const std::optional<protocol::Announce>& announce() const;
   const std::optional<protocol::Heartbeat>& heartbeat() const;
+  /// Of the frame that was fused last.
+  const std::optional<protocol::PoseMessage>& pose() const;
+  /// What was asked of the node; none when it is not asked.
+  const ClientCounters* client() const;
 
   /// The map as received now, on the cells that ANNOUNCE names; every cell unknown (and never_seen) unless the link is
   /// fresh or stale. Layers that were not received are NaN, hits 0, T_map_body the identity. Null before the first

@@ -36,9 +36,20 @@ Reject check_body(const protocol::Opened& opened) {
       return check<protocol::Heartbeat>(opened);
     case MessageType::bye:
       return check<protocol::Bye>(opened);
+    case MessageType::pose:
+      return check<protocol::PoseMessage>(opened);
+    case MessageType::cookie:
+      return check<protocol::Cookie>(opened);
+    case MessageType::pong:
+      return check<protocol::Pong>(opened);
     default:
       return Reject::type;
   }
+}
+
+/// COOKIE and PONG of a node that sends us no map.
+bool outside_of_streams(const protocol::Header& header) {
+  return header.seq == 0 && (header.type == MessageType::cookie || header.type == MessageType::pong);
 }
 
 }  // namespace
@@ -73,7 +84,7 @@ void MapAssembly::count(Reject reason) {
 
 Reject MapAssembly::judge(std::span<const std::uint8_t> datagram, MonotonicTime now) {
   protocol::Opened opened;
-  if (const Reject reason = protocol::open_datagram(datagram, opened); reason != Reject::none) return reason;
+  if (const Reject reason = protocol::open_datagram(datagram, opened, keys_); reason != Reject::none) return reason;
   if (const Reject reason = check_sender(opened, now); reason != Reject::none) return reason;
   const Reject reason = take(opened, now);
   if (reason == Reject::none) stream_id_ = opened.header.stream_id;
@@ -97,6 +108,7 @@ Reject MapAssembly::check_sender(const protocol::Opened& opened, MonotonicTime n
     if (const Reject reason = check_body(opened); reason != Reject::none) return reason;
     begin_boot(header.boot_id, now);
   }
+  if (outside_of_streams(header)) return Reject::none;
   return sequence_.note(header.seq) == protocol::SequenceWindow::Verdict::fresh ? Reject::none : Reject::sequence;
 }
 
@@ -114,6 +126,10 @@ void MapAssembly::begin_boot(std::uint64_t boot_id, MonotonicTime now) {
   heartbeat_.reset();
   heartbeat_seq_ = 0;
   bye_.reset();
+  cookie_.reset();
+  pong_.reset();
+  pose_.reset();
+  pose_seq_ = 0;
   newest_ = {};
   tiles_.clear();
 }
@@ -135,6 +151,15 @@ Reject MapAssembly::take(const protocol::Opened& opened, MonotonicTime now) {
       break;
     case MessageType::bye:
       reason = take_bye(opened);
+      break;
+    case MessageType::pose:
+      reason = take_pose(opened);
+      break;
+    case MessageType::cookie:
+      reason = take_cookie(opened);
+      break;
+    case MessageType::pong:
+      reason = take_pong(opened, now);
       break;
     default:
       break;
@@ -202,6 +227,29 @@ Reject MapAssembly::take_bye(const protocol::Opened& opened) {
   protocol::Bye message;
   if (const Reject reason = decode(opened, message); reason != Reject::none) return reason;
   bye_ = message.reason;
+  return Reject::none;
+}
+
+Reject MapAssembly::take_pose(const protocol::Opened& opened) {
+  protocol::PoseMessage message;
+  if (const Reject reason = decode(opened, message); reason != Reject::none) return reason;
+  if (pose_ && opened.header.seq < pose_seq_) return Reject::none;
+  pose_ = message;
+  pose_seq_ = opened.header.seq;
+  return Reject::none;
+}
+
+Reject MapAssembly::take_cookie(const protocol::Opened& opened) {
+  protocol::Cookie message;
+  if (const Reject reason = decode(opened, message); reason != Reject::none) return reason;
+  cookie_ = message.cookie;
+  return Reject::none;
+}
+
+Reject MapAssembly::take_pong(const protocol::Opened& opened, MonotonicTime now) {
+  protocol::Pong message;
+  if (const Reject reason = decode(opened, message); reason != Reject::none) return reason;
+  pong_ = {message, now};
   return Reject::none;
 }
 

@@ -14,8 +14,10 @@ namespace scree::node {
 
 class MapAssembly {
  public:
-  explicit MapAssembly(std::set<drivers::Origin> accept, std::optional<std::uint32_t> stream_id = std::nullopt)
-      : accept_(std::move(accept)), stream_id_(stream_id) {}
+  /// With `keys`, datagrams without the MAC of one of them are refused.
+  explicit MapAssembly(std::set<drivers::Origin> accept, std::optional<std::uint32_t> stream_id = std::nullopt,
+                       const protocol::KeyRing& keys = {})
+      : accept_(std::move(accept)), stream_id_(stream_id), keys_(keys) {}
 
   /// Checks one datagram and takes what it says. Returns the reason why not. `now` must not run backwards. A datagram
   /// that is not accepted changes nothing but counters, except that one of an earlier boot_id can raise FAULT.
@@ -36,6 +38,17 @@ class MapAssembly {
   const ListenerCounters& counters() const { return counters_; }
   const std::optional<protocol::Announce>& announce() const { return announce_; }
   const std::optional<protocol::Heartbeat>& heartbeat() const { return heartbeat_; }
+  /// The cookie that the present boot gave last.
+  std::optional<std::uint64_t> cookie() const { return cookie_; }
+  struct ArrivedPong {
+    protocol::Pong message;
+    MonotonicTime arrived;
+  };
+  const std::optional<ArrivedPong>& pong() const { return pong_; }
+  /// The pose of the frame that was fused last.
+  const std::optional<protocol::PoseMessage>& pose() const { return pose_; }
+  /// See TileStore::take_missing.
+  bool take_missing(MonotonicTime now, protocol::Nack& nack) { return tiles_.take_missing(now, nack); }
   void set_overflowed(std::uint64_t datagrams) { counters_.overflowed = datagrams; }
 
  private:
@@ -52,6 +65,9 @@ class MapAssembly {
   protocol::Reject take_manifest(const protocol::Opened& opened, MonotonicTime now);
   protocol::Reject take_heartbeat(const protocol::Opened& opened, MonotonicTime now);
   protocol::Reject take_bye(const protocol::Opened& opened);
+  protocol::Reject take_pose(const protocol::Opened& opened);
+  protocol::Reject take_cookie(const protocol::Opened& opened);
+  protocol::Reject take_pong(const protocol::Opened& opened, MonotonicTime now);
   void take_header(const protocol::Header& header, MonotonicTime now);
   void begin_boot(std::uint64_t boot_id, MonotonicTime now);
   void count(protocol::Reject reason);
@@ -61,6 +77,7 @@ class MapAssembly {
 
   std::set<drivers::Origin> accept_;
   std::optional<std::uint32_t> stream_id_;
+  protocol::KeyRing keys_;
 
   // of the present boot
   std::optional<std::uint64_t> boot_id_;
@@ -71,6 +88,10 @@ class MapAssembly {
   std::uint64_t heartbeat_seq_ = 0;
   MonotonicTime heartbeat_at_;
   std::optional<protocol::ByeReason> bye_;
+  std::optional<std::uint64_t> cookie_;
+  std::optional<ArrivedPong> pong_;
+  std::optional<protocol::PoseMessage> pose_;
+  std::uint64_t pose_seq_ = 0;
   protocol::Header newest_;  ///< header with the highest seq
   MonotonicTime acquired_;   ///< of its data, on this clock
   TileStore tiles_;

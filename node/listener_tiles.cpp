@@ -85,6 +85,7 @@ TileStore::Taken TileStore::put(const protocol::TileBlock& block, MonotonicTime 
   std::copy(raw.begin(), raw.end(), held->content.raw.begin() + block.row0 * protocol::kTileCells);
   if (held->outdated) {
     held->outdated = held_rev(*held, block_count(block.layer)) < held->wanted_rev;
+    if (held->outdated_since != held->wanted_since) held->ask_at = held->wanted_since + kAskAfter;
     held->outdated_since = held->wanted_since;
   }
   return Taken::yes;
@@ -98,17 +99,31 @@ void TileStore::note(const protocol::Manifest& manifest, MonotonicTime now) {
     for (std::int32_t c = 0; c < manifest.columns; ++c, ++i) {
       const TileIndex tile{manifest.tx0 + c, manifest.ty0 + r};
       if (!window_.contains(tile)) continue;
-      LayerTile* const held = slots_[window_.position(tile)][layer].get();
+      auto& held = slots_[window_.position(tile)][layer];
       const std::uint32_t rev = manifest.tile_rev[i];
-      if (held == nullptr || rev <= held->wanted_rev) continue;
+      if (rev == 0) continue;
+      if (!held) held = std::make_unique<LayerTile>();  // it exists, and did not come yet
+      if (rev <= held->wanted_rev) continue;
       held->wanted_rev = rev;
       held->wanted_since = now;
       if (!held->outdated && held_rev(*held, blocks) < rev) {
         held->outdated = true;
         held->outdated_since = now;
+        held->ask_at = now + kAskAfter;
       }
     }
   }
+}
+
+bool TileStore::take_missing(MonotonicTime now, protocol::Nack& nack) {
+  nack.count = 0;
+  for (std::size_t position = 0; position < slots_.size() && nack.count < protocol::kMaxNackTiles; ++position) {
+    LayerTile* const held = slots_[position][static_cast<std::size_t>(nack.layer)].get();
+    if (held == nullptr || !held->outdated || now < held->ask_at) continue;
+    held->ask_at = now + kAskAgain;
+    nack.tiles[nack.count++] = window_.tile(position);
+  }
+  return nack.count > 0;
 }
 
 std::shared_ptr<mapping::MapSnapshot> TileStore::map(MonotonicTime now, Duration cell_max_age, bool valid) const {

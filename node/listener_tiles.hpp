@@ -14,6 +14,10 @@ namespace scree::node {
 
 /// A tile older than its MANIFEST for longer than this reads as unknown.
 inline constexpr Duration kOutdatedAfter = std::chrono::milliseconds(500);
+/// A tile older than its MANIFEST is asked for after this time: most are only late …
+inline constexpr Duration kAskAfter = std::chrono::milliseconds(50);
+/// … and again after this.
+inline constexpr Duration kAskAgain = std::chrono::milliseconds(100);
 
 class TileStore {
  public:
@@ -29,6 +33,10 @@ class TileStore {
   Taken put(const protocol::TileBlock& block, MonotonicTime now);
   /// Remembers which tiles are older than the manifest says. `manifest.layer` must be known.
   void note(const protocol::Manifest& manifest, MonotonicTime now);
+
+  /// Tiles of `nack.layer` that are to be asked for now, into `nack`; false when there are none (left). They are taken
+  /// as asked for. Walks the window.
+  bool take_missing(MonotonicTime now, protocol::Nack& nack);
 
   bool has_window() const { return window_.columns > 0; }
 
@@ -50,6 +58,7 @@ class TileStore {
     std::uint32_t wanted_rev = 0;
     MonotonicTime outdated_since;
     MonotonicTime wanted_since;  ///< when wanted_rev last grew
+    MonotonicTime ask_at;        ///< while outdated
   };
   using Slot = std::array<std::unique_ptr<LayerTile>, protocol::kLayerCount>;
 

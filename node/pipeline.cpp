@@ -27,7 +27,7 @@ std::unique_ptr<PoseProvider> make_poses(const PipelineConfig& config, PoseInput
 
 }  // namespace
 
-Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<PoseInput> input,
+Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<Inbox> inbox,
                    std::unique_ptr<Publisher> publisher)
     : config_(std::move(config)),
       source_(std::move(source)),
@@ -36,13 +36,14 @@ Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> sourc
                                  ? 1
                                  : static_cast<std::size_t>(config_.settings.node.queue_frames)),
       pool_(config_.settings.node.threads),
-      input_(std::move(input)),
-      poses_(make_poses(config_, *input_)),
+      inbox_(std::move(inbox)),
+      poses_(make_poses(config_, inbox_->poses())),
       mapper_(config_.settings.map, pool_),
       publisher_(std::move(publisher)) {
-  last_frame_ = last_look_ = MonotonicClock::now();  // the sensor is not late for what was built until now
+  last_frame_ = MonotonicClock::now();  // the sensor is not late for what was built until now
   for (int i = 1; i < pool_.threads(); ++i)
     workers_.emplace_back([this](const std::stop_token& stop) { pool_.work(stop); });
+  receive_thread_ = std::jthread([this](const std::stop_token& stop) { receive(stop); });
   publish_thread_ = std::jthread([this](const std::stop_token& stop) { publish(stop); });
   map_thread_ = std::jthread([this] { map_frames(stop_.get_token()); });
   acquire_thread_ = std::jthread([this] { acquire(stop_.get_token()); });
@@ -66,7 +67,7 @@ bool Pipeline::wait_finished(std::chrono::milliseconds timeout) {
 void Pipeline::acquire(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const auto more = acquire_event(stop);
-    if (!more) fail(more.error());
+    if (!more) fail(more.error(), false);
     if (!more || !*more) break;
   }
   queue_.close();
@@ -145,7 +146,6 @@ void Pipeline::map_frames(const std::stop_token& stop) {
 void Pipeline::map_frame(const RangeFrame& frame, MonotonicTime taken, const std::stop_token& stop) {
   if (poses_ != nullptr) {
     const bool fresh = poses_->provide(posed_, stop);
-    if (poses_come_by_udp()) count_rejected();
     const std::lock_guard lock(mutex_);
     pose_stale_ = !fresh;
     if (!fresh) {
@@ -156,7 +156,7 @@ void Pipeline::map_frame(const RangeFrame& frame, MonotonicTime taken, const std
   const auto report = mapper_.step(frame);
   if (!report) {
     if (report.error().kind == ErrorKind::bad_data) return count_skipped(report.error().message);
-    fail(report.error());
+    fail(report.error(), true);
     return request_stop();
   }
   auto snapshot = mapper_.snapshot();
@@ -175,6 +175,8 @@ void Pipeline::map_frame(const RangeFrame& frame, MonotonicTime taken, const std
   latency_.add(now - taken);
   statistics_.mapping = now - *first_taken_;
   map_ = std::move(snapshot);
+  map_taken_ = taken;
+  report_pose(frame);
   changed_.notify_all();
 }
 
@@ -192,25 +194,26 @@ void Pipeline::count_alignment(const mapping::AlignmentReport& alignment) {
 void Pipeline::publish(const std::stop_token& stop) {
   std::shared_ptr<const mapping::MapSnapshot> sent;
   for (;;) {
+    take_requests();
     const auto now = MonotonicClock::now();
     const Duration next = publisher_->tick(now, status(now));
-    if (!poses_come_by_udp()) {  // nobody wants what comes in, but it is counted
-      const auto polled = input_->poll(std::chrono::milliseconds(0));
-      if (!polled) fail(polled.error());
-      count_rejected();
-    }
     copy_publisher_counters();
     std::unique_lock lock(mutex_);
-    changed_.wait_until(lock, stop, now + next, [&] { return map_ended_ || map_ != sent; });
+    changed_.wait_until(lock, stop, now + next, [&] {
+      return map_ended_ || map_ != sent || next_pose_ < poses_out_.count() || !requests_.empty();
+    });
+    take_poses();
     if (map_ != sent) {
       sent = map_;
+      const MonotonicTime taken = map_taken_;
       lock.unlock();
-      publisher_->submit(sent);
+      publisher_->submit(sent, taken);
       lock.lock();
     }
     if ((map_ended_ && map_ == sent) || stop.stop_requested()) break;
   }
-  if (const auto ended = publisher_->finish(status(MonotonicClock::now()), bye_reason()); !ended) {
+  if (const auto ended = publisher_->finish(status(MonotonicClock::now()), bye_reason(), [this] { take_requests(); });
+      !ended) {
     const std::lock_guard lock(mutex_);
     publish_error_ = ended.error();
   }
@@ -218,6 +221,37 @@ void Pipeline::publish(const std::stop_token& stop) {
   const std::lock_guard lock(mutex_);
   finished_ = true;
   changed_.notify_all();
+}
+
+void Pipeline::take_requests() {
+  for (Request request; requests_.pop(request);) publisher_->handle(request, MonotonicClock::now());
+}
+
+/// Under the lock.
+void Pipeline::take_poses() {
+  if (next_pose_ < poses_out_.oldest()) {
+    statistics_.poses_superseded += poses_out_.oldest() - next_pose_;
+    next_pose_ = poses_out_.oldest();
+  }
+  for (; next_pose_ < poses_out_.count(); ++next_pose_) {
+    const PoseLog::Entry& entry = poses_out_[next_pose_];
+    publisher_->add_pose(entry.message, entry.delivered);
+  }
+}
+
+// ---- receive ----
+
+void Pipeline::receive(const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds kSlice{50};
+  while (!stop.stop_requested()) {
+    const auto requested = inbox_->poll(kSlice, requests_);
+    if (!requested) return fail(requested.error(), true);
+    const InboxCounters counters = inbox_->counters();
+    const std::lock_guard lock(mutex_);
+    statistics_.inbox = counters;
+    statistics_.requests_overflowed = requests_.overflowed();
+    if (*requested) changed_.notify_all();
+  }
 }
 
 }  // namespace scree::node

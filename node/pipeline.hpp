@@ -17,11 +17,13 @@
 #include "drivers/source.hpp"
 #include "mapping/mapper.hpp"
 #include "node/frame_queue.hpp"
+#include "node/health.hpp"
+#include "node/inbox.hpp"
 #include "node/latency.hpp"
 #include "node/pacer.hpp"
-#include "node/pose_input.hpp"
 #include "node/pose_provider.hpp"
 #include "node/publisher.hpp"
+#include "node/requests.hpp"
 #include "node/statistics.hpp"
 #include "node/worker_pool.hpp"
 
@@ -35,12 +37,13 @@ struct PipelineConfig {
   std::function<Result<std::unique_ptr<drivers::Source>>()> reopen;
 };
 
-/// Threads: acquire owns the source, map owns the Mapper, publish owns the Publisher. Every wait takes the stop token.
+/// Threads: acquire owns the source, map owns the Mapper, publish owns the Publisher, receive reads what comes in.
+/// Every wait takes the stop token or is short.
 /// Lossless, the same frames give the same map at any rate and with any number of threads.
 class Pipeline {
  public:
   /// Starts the threads.
-  Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<PoseInput> input,
+  Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<Inbox> inbox,
            std::unique_ptr<Publisher> publisher);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
@@ -68,16 +71,19 @@ class Pipeline {
   void map_frames(const std::stop_token& stop);
   void count_alignment(const mapping::AlignmentReport& alignment);
   void map_frame(const RangeFrame& frame, MonotonicTime taken, const std::stop_token& stop);
+  void report_pose(const RangeFrame& frame);  ///< under the lock
   void publish(const std::stop_token& stop);
+  void take_requests();
+  void take_poses();
+  void receive(const std::stop_token& stop);
   bool poses_come_by_udp() const { return config_.settings.pose.source == config::PoseSource::udp; }
   protocol::ByeReason bye_reason() const;
-  void count_rejected();
   void note_first_frame();
   void copy_publisher_counters();
   void copy_source_counters();
   NodeStatus status(MonotonicTime now);
   void count_skipped(const std::string& message);
-  void fail(Error error);
+  void fail(Error error, bool fault);  ///< `fault`: of the node itself, not of its source
 
   const PipelineConfig config_;
   const MonotonicTime start_ = MonotonicClock::now();
@@ -86,11 +92,14 @@ class Pipeline {
   std::uint64_t frames_since_restart_ = 0;
   FrameQueue queue_;
   WorkerPool pool_;
-  std::unique_ptr<PoseInput> input_;     ///< map thread with pose.source udp, else publish thread
+  std::unique_ptr<Inbox> inbox_;         ///< receive thread; its poses are shared
+  RequestQueue requests_;                ///< receive → publish
   std::unique_ptr<PoseProvider> poses_;  ///< map thread; null = the frames' own
   mapping::Mapper mapper_;
   RangeFrame posed_;                      ///< a frame with its poses replaced, kept for its allocation
-  std::unique_ptr<Publisher> publisher_;  ///< publish thread
+  std::unique_ptr<Publisher> publisher_;  ///< publish thread, as the two below
+  HealthState health_;
+  std::uint64_t next_pose_ = 0;  ///< of those below to be handed to the publisher
 
   mutable std::mutex mutex_;  ///< guards all below
   std::condition_variable_any changed_;
@@ -103,10 +112,10 @@ class Pipeline {
   std::optional<Error> publish_error_;
   MonotonicTime last_frame_ = start_;
   std::optional<drivers::Origin> origin_;  ///< of the last frame delivered
-  std::uint64_t dropped_at_last_look_ = 0;
-  MonotonicTime last_look_ = start_;
-  bool overloaded_ = false;
+  PoseLog poses_out_;        ///< of the frames fused
+  MonotonicTime map_taken_;  ///< when the map stage's frame of `map_` came in
   bool pose_stale_ = false;
+  bool faulty_ = false;
   bool source_ended_ = false;
   bool map_ended_ = false;
   bool finished_ = false;
@@ -114,6 +123,7 @@ class Pipeline {
   std::stop_source stop_;  ///< of acquire and map
 
   std::vector<std::jthread> workers_;  // threads last: they end before anything they use
+  std::jthread receive_thread_;
   std::jthread publish_thread_;
   std::jthread map_thread_;
   std::jthread acquire_thread_;

@@ -14,8 +14,18 @@ namespace {
 
 constexpr std::uint64_t kSkippedShown = 10;
 
-std::uint32_t to_us(Duration duration) {
-  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(duration.count() / 1000, 0, UINT32_MAX));
+/// A row's pose as it goes out.
+protocol::PoseMessage pose_message(const RangeFrame& frame) {
+  const std::size_t middle = frame.row_time.size() / 2;
+  protocol::PoseMessage message;
+  message.time = frame.row_time[middle];
+  message.T_map_body = frame.T_map_body[middle];
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    message.variances[i] = static_cast<float>(frame.pose_variance.position_m2[axis]);
+    message.variances[3 + i] = static_cast<float>(frame.pose_variance.attitude_rad2[axis]);
+  }
+  return message;
 }
 
 }  // namespace
@@ -25,10 +35,10 @@ protocol::ByeReason Pipeline::bye_reason() const {
   return stop_.stop_requested() ? protocol::ByeReason::stopped : protocol::ByeReason::finished;
 }
 
-void Pipeline::count_rejected() {
-  const auto rejected = input_->counters().rejected;
-  const std::lock_guard lock(mutex_);
-  statistics_.rejected = rejected;
+void Pipeline::report_pose(const RangeFrame& frame) {
+  if (frame.row_time.empty()) return;
+  const auto delivered = poses_ != nullptr ? poses_->delivered() : std::nullopt;
+  poses_out_.add({pose_message(frame), delivered.value_or(frame.received)});
 }
 
 void Pipeline::note_first_frame() {
@@ -37,9 +47,15 @@ void Pipeline::note_first_frame() {
 }
 
 void Pipeline::copy_publisher_counters() {
-  const auto& counters = publisher_->counters();
+  const LatencyHistogram& latency = publisher_->latency();
   const std::lock_guard lock(mutex_);
-  statistics_.publisher = counters;
+  statistics_.publisher = publisher_->counters();
+  statistics_.subscriptions = publisher_->subscriptions();
+  statistics_.subscribers = publisher_->subscribers();
+  statistics_.latency_out_p50 = latency.percentile(0.5);
+  statistics_.latency_out_p99 = latency.percentile(0.99);
+  statistics_.latency_out_max = latency.max();
+  statistics_.health_changes = health_.transitions();
 }
 
 void Pipeline::copy_source_counters() {
@@ -48,32 +64,33 @@ void Pipeline::copy_source_counters() {
   statistics_.source = counters;
 }
 
+/// Of the publish thread.
 NodeStatus Pipeline::status(MonotonicTime now) {
   const auto dropped = queue_.dropped();
-  const std::lock_guard lock(mutex_);
-  const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(now - last_frame_);
-  if (now - last_look_ >= std::chrono::seconds(1)) {
-    overloaded_ = dropped > dropped_at_last_look_;
-    dropped_at_last_look_ = dropped;
-    last_look_ = now;
-  }
-  NodeStatus status;
-  status.frames_in = statistics_.frames_in;
-  status.frames_dropped = dropped;
-  status.origin = origin_;
-  status.latency_p50_us = to_us(latency_.percentile(0.5));
-  status.latency_p99_us = to_us(latency_.percentile(0.99));
-  status.latency_max_us = to_us(latency_.max());
-  status.sensor_age_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(age.count(), 0, UINT32_MAX));
   const bool live = config_.policy == QueuePolicy::newest_wins;
   const auto& node = config_.settings.node;
-  using namespace protocol;  // the health bits
-  unsigned health = 0;
-  if (pose_stale_) health |= kHealthPoseStale;
-  if (overloaded_) health |= kHealthOverload;
-  if (live && age.count() > node.sensor_stale_ms) health |= kHealthSensorStale;
-  if (live && (source_ended_ || age.count() > node.sensor_lost_ms)) health |= kHealthSensorLost;
-  status.health = static_cast<std::uint16_t>(health);
+  bool certain = false;
+  if (const ClockReading clocks = read_clocks(certain); certain) health_.note_clocks(clocks);
+  const auto newest_pose = poses_come_by_udp() ? inbox_->poses().newest() : std::nullopt;
+  const std::chrono::milliseconds max_pose_age(config_.settings.pose.max_age_ms);
+  NodeStatus status;
+  Condition condition;
+  condition.now = now;
+  condition.frames_dropped = status.frames_dropped = dropped;
+  condition.pose_stale = poses_come_by_udp() && (!newest_pose || now - newest_pose->delivered > max_pose_age);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(now - last_frame_);
+    status.frames_in = statistics_.frames_in;
+    status.origin = origin_;
+    status.sensor_age_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(age.count(), 0, UINT32_MAX));
+    condition.sensor_stale = live && age.count() > node.sensor_stale_ms;
+    condition.sensor_lost = live && (source_ended_ || age.count() > node.sensor_lost_ms);
+    condition.pose_stale = condition.pose_stale || pose_stale_;
+    condition.fault = faulty_;
+  }
+  condition.fault = condition.fault || publisher_->error().has_value();
+  status.health = health_.update(condition);
   return status;
 }
 
@@ -87,8 +104,9 @@ void Pipeline::count_skipped(const std::string& message) {
   if (skipped == kSkippedShown) spdlog::warn("further skipped frames are only counted");
 }
 
-void Pipeline::fail(Error error) {
+void Pipeline::fail(Error error, bool fault) {
   const std::lock_guard lock(mutex_);
+  faulty_ = faulty_ || fault;
   if (!error_) error_ = std::move(error);
 }
 

@@ -4,12 +4,12 @@
 
 namespace scree::node {
 
-void PoseHistory::add(const StampedPose& pose, const PoseVariance& variance) {
+void PoseHistory::add(const StampedPose& pose, const PoseVariance& variance, MonotonicTime delivered) {
   assert(size() == 0 || pose.time > entry(size() - 1).time);
   if (size() < kCapacity) {
-    poses_.push_back({pose.time, pose.T_map_body, variance});
+    poses_.push_back({pose.time, pose.T_map_body, variance, delivered});
   } else {
-    poses_[begin_] = {pose.time, pose.T_map_body, variance};
+    poses_[begin_] = {pose.time, pose.T_map_body, variance, delivered};
     begin_ = (begin_ + 1) % kCapacity;
   }
 }
@@ -31,7 +31,8 @@ std::optional<UncertainPose> PoseHistory::at(Time time) const {
   return UncertainPose{time,
                        {between(a.translation_m, b.translation_m), a.rotation.slerp(weight, b.rotation)},
                        {between(before.variance.position_m2, after.variance.position_m2),
-                        between(before.variance.attitude_rad2, after.variance.attitude_rad2)}};
+                        between(before.variance.attitude_rad2, after.variance.attitude_rad2)},
+                       after.delivered};
 }
 
 std::optional<UncertainPose> PoseHistory::newest() const {

@@ -14,6 +14,7 @@ struct UncertainPose {
   Time time;
   Pose T_map_body;
   PoseVariance variance;
+  MonotonicTime delivered;  ///< to the node
 };
 
 /// A ring of the newest 4096 poses (20 s at 200 Hz), strictly increasing in time. No allocation once it is full.
@@ -26,8 +27,9 @@ class PoseHistory {
     begin_ = 0;
   }
   /// `pose.time` must be after newest()'s.
-  void add(const StampedPose& pose, const PoseVariance& variance = {});
-  /// Linear in translation and variance, slerp in rotation; nothing outside the history. O(log n). Between poses whose
+  void add(const StampedPose& pose, const PoseVariance& variance = {}, MonotonicTime delivered = {});
+  /// Linear in translation and variance, slerp in rotation, delivered with the later pose; nothing outside the
+  /// history. O(log n). Between poses whose
   /// errors are one and the same the variance is no larger than that.
   std::optional<UncertainPose> at(Time time) const;
   std::optional<UncertainPose> newest() const;

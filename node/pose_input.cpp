@@ -8,6 +8,7 @@ namespace {
 using protocol::Reject;
 
 constexpr Duration kClockTolerance = std::chrono::seconds(1);
+constexpr Duration kPastTolerance = std::chrono::seconds(10);
 
 PoseVariance variance_of(const protocol::PoseInputMessage& message) {
   const auto& v = message.variances;
@@ -17,7 +18,8 @@ PoseVariance variance_of(const protocol::PoseInputMessage& message) {
 
 }  // namespace
 
-bool PoseReceiver::accept(std::span<const std::uint8_t> datagram, const Endpoint& from, Time now) {
+bool PoseReceiver::accept(std::span<const std::uint8_t> datagram, const Endpoint& from, Time now,
+                          MonotonicTime delivered) {
   ++counters_.datagrams;
   const auto refuse = [&](std::uint64_t& reason) {
     ++reason;
@@ -31,19 +33,20 @@ bool PoseReceiver::accept(std::span<const std::uint8_t> datagram, const Endpoint
   if (reason != Reject::none) return refuse(counters_.rejected_by[static_cast<std::size_t>(reason)]);
   if (message.time > now + kClockTolerance) return refuse(counters_.in_future);
   const bool restarted = boot_id_ != opened.header.boot_id;
-  const auto newest = restarted ? std::nullopt : history_.newest();
-  if (newest && message.time <= newest->time) return refuse(counters_.not_later);
+  if (message.time < now - kPastTolerance) return refuse(counters_.in_past);
+  if (newest_ && message.time <= *newest_) return refuse(counters_.not_later);
   // All of it was judged: a refused datagram leaves neither its boot_id nor its seq behind.
   if (restarted) begin_history(opened.header.boot_id);
   seq_ = opened.header.seq;
-  history_.add({message.time, message.T_map_body}, variance_of(message));
+  history_.add({message.time, message.T_map_body}, variance_of(message), delivered);
+  newest_ = message.time;
   ++counters_.accepted;
   return true;
 }
 
 Reject PoseReceiver::judge(std::span<const std::uint8_t> datagram, protocol::Opened& opened,
                            protocol::PoseInputMessage& message) const {
-  if (const Reject reason = protocol::open_datagram(datagram, opened); reason != Reject::none) return reason;
+  if (const Reject reason = protocol::open_datagram(datagram, opened, keys_); reason != Reject::none) return reason;
   if (opened.header.stream_id != stream_id_) return Reject::stream;
   if (opened.header.type != protocol::MessageType::pose_input) return Reject::type;
   if (const Reject reason = decode(opened, message); reason != Reject::none) return reason;
@@ -64,29 +67,35 @@ void PoseReceiver::begin_history(std::uint64_t boot_id) {
   history_.clear();  // a restarted source may have another map frame
 }
 
-Result<std::unique_ptr<PoseInput>> PoseInput::open(const std::string& listen, const std::string& accept_from,
-                                                   std::uint32_t stream_id) {
-  const auto local = parse_endpoint(listen, "publish.listen");
-  if (!local) return local.error();
-  if (local->any_address())
-    return Error{ErrorKind::usage,
-                 "publish.listen: expected one address of this machine, found '" + listen + "', which is all of them"};
-  const auto from =
-      parse_address(accept_from.empty() ? (local->v6 ? "::1" : "127.0.0.1") : accept_from, "pose.accept_from");
-  if (!from) return from.error();
-  auto socket = UdpSocket::bind(*local, "publish.listen");
-  if (!socket) return socket.error();
-  return std::unique_ptr<PoseInput>(new PoseInput(std::move(*socket), PoseReceiver(*from, stream_id)));
+bool PoseInput::accept(std::span<const std::uint8_t> datagram, const Endpoint& from, Time now,
+                       MonotonicTime delivered) {
+  const std::lock_guard lock(mutex_);
+  const bool taken = receiver_.accept(datagram, from, now, delivered);
+  if (taken) changed_.notify_all();
+  return taken;
 }
 
-Result<bool> PoseInput::poll(std::chrono::milliseconds timeout) {
-  bool taken = false;
-  const auto count = socket_.receive(timeout, [&](std::span<const std::uint8_t> datagram, const Endpoint& from) {
-    const Time now = std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
-    taken = receiver_.accept(datagram, from, now) || taken;
+std::optional<UncertainPose> PoseInput::at(Time time) const {
+  const std::lock_guard lock(mutex_);
+  return receiver_.history().at(time);
+}
+
+std::optional<UncertainPose> PoseInput::newest() const {
+  const std::lock_guard lock(mutex_);
+  return receiver_.history().newest();
+}
+
+bool PoseInput::wait_for(Time time, std::chrono::milliseconds timeout, const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, stop, timeout, [&] {
+    const auto newest = receiver_.history().newest();
+    return newest && newest->time >= time;
   });
-  if (!count) return count.error();
-  return taken;
+}
+
+PoseInputCounters PoseInput::counters() const {
+  const std::lock_guard lock(mutex_);
+  return receiver_.counters();
 }
 
 }  // namespace scree::node

@@ -4,7 +4,9 @@
 
 #include "node/protocol_header.hpp"    // IWYU pragma: export
 #include "node/protocol_layers.hpp"    // IWYU pragma: export
+#include "node/protocol_mac.hpp"       // IWYU pragma: export
 #include "node/protocol_messages.hpp"  // IWYU pragma: export
 #include "node/protocol_reject.hpp"    // IWYU pragma: export
+#include "node/protocol_requests.hpp"  // IWYU pragma: export
 #include "node/protocol_sequence.hpp"  // IWYU pragma: export
 #include "node/protocol_tile.hpp"      // IWYU pragma: export

@@ -110,7 +110,7 @@ bool valid_name(std::string_view name) {
   });
 }
 
-void encode(Header header, const Announce& message, Datagram& out) {
+void encode(Header header, const Announce& message, Datagram& out, const Key* key) {
   header.type = MessageType::announce;
   assert(message.layers.size() <= kMaxLayers);
   ByteWriter writer(out.body());
@@ -137,7 +137,7 @@ void encode(Header header, const Announce& message, Datagram& out) {
     writer.f32(layer.offset);
   }
   assert(writer.ok());
-  seal(header, writer.size(), out);
+  seal(header, writer.size(), out, key);
 }
 
 Reject decode(const Opened& opened, Announce& out) {

@@ -24,6 +24,23 @@ class ByteWriter {
     const auto bits = static_cast<std::uint64_t>(value);
     for (std::size_t i = 0; i < sizeof(T); ++i) bytes_[size_++] = static_cast<std::uint8_t>(bits >> (8 * i));
   }
+  /// The low `width` (1 or 2) bytes of each value. One check of the room for all: blocks are most of what is sent.
+  void put_all(std::span<const std::int16_t> values, std::size_t width) {
+    if (bytes_.size() - size_ < values.size() * width) {
+      ok_ = false;
+      return;
+    }
+    std::uint8_t* out = bytes_.data() + size_;
+    if (width == 1)
+      for (std::size_t i = 0; i < values.size(); ++i) out[i] = static_cast<std::uint8_t>(values[i]);
+    else
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto bits = static_cast<std::uint16_t>(values[i]);
+        out[2 * i] = static_cast<std::uint8_t>(bits);
+        out[2 * i + 1] = static_cast<std::uint8_t>(bits >> 8);
+      }
+    size_ += values.size() * width;
+  }
   void f32(float value) { put(std::bit_cast<std::uint32_t>(value)); }
   void f64(double value) { put(std::bit_cast<std::uint64_t>(value)); }
   void zeros(std::size_t count) {

@@ -1,5 +1,7 @@
 #include "node/protocol_header.hpp"
 
+#include <algorithm>
+#include <cassert>
 #include <sodium.h>
 #include <zlib.h>
 
@@ -14,8 +16,17 @@ constexpr int kOriginShift = 4;
 constexpr std::uint8_t kOriginMask = 3;
 constexpr std::uint8_t kFlagMask = kFlagMac | kFlagRefresh | kFlagRepeat | kFlagClockLocked;
 
-std::uint8_t flags_byte(const Header& header) {
-  return static_cast<std::uint8_t>((header.flags & kFlagMask) | (static_cast<unsigned>(header.origin) << kOriginShift));
+std::uint8_t flags_byte(const Header& header, bool has_mac) {
+  const unsigned flags = (header.flags & kFlagMask & ~unsigned{kFlagMac}) | (has_mac ? unsigned{kFlagMac} : 0U);
+  return static_cast<std::uint8_t>(flags | (static_cast<unsigned>(header.origin) << kOriginShift));
+}
+
+Reject check_mac(std::span<const std::uint8_t> datagram, std::size_t end, std::uint16_t key_id, const KeyRing& keys) {
+  const bool has_mac = end != datagram.size();
+  if (!has_mac && keys.empty()) return Reject::none;
+  const Key* const key = has_mac ? keys.find(key_id) : nullptr;
+  if (key == nullptr || !mac_matches(datagram.first(end), *key, datagram.subspan(end))) return Reject::mac;
+  return Reject::none;
 }
 
 /// The fields after the lengths, in wire order.
@@ -34,14 +45,16 @@ void read_fields(ByteReader& reader, Header& header) {
 
 }  // namespace
 
-void seal(const Header& header, std::size_t body_bytes, Datagram& datagram) {
-  datagram.size = kHeaderBytes + body_bytes;
+void seal(const Header& header, std::size_t body_bytes, Datagram& datagram, const Key* key) {
+  const std::size_t end = kHeaderBytes + body_bytes;
+  datagram.size = end + (key != nullptr ? kMacBytes : 0);
+  assert(datagram.size <= kMaxDatagramBytes);
   ByteWriter writer{std::span(datagram.bytes).first(kHeaderBytes)};
   for (const std::uint8_t byte : kMagic) writer.put(byte);
   writer.put(kVersionMajor);
   writer.put(header.ver_minor);
   writer.put(static_cast<std::uint8_t>(header.type));
-  writer.put(flags_byte(header));
+  writer.put(flags_byte(header, key != nullptr));
   writer.put(static_cast<std::uint16_t>(kHeaderBytes));
   writer.put(static_cast<std::uint16_t>(datagram.size));
   writer.put(header.stream_id);
@@ -53,12 +66,16 @@ void seal(const Header& header, std::size_t body_bytes, Datagram& datagram) {
   writer.put(header.health);
   writer.put(header.cost_profile);
   writer.put(header.config_hash);
-  writer.put(header.key_id);
+  writer.put(key != nullptr ? key->id : std::uint16_t{0});
   writer.put(std::uint16_t{0});
-  writer.put(datagram_crc(datagram.view()));
+  const auto before_mac = std::span(datagram.bytes).first(end);
+  writer.put(datagram_crc(before_mac));
+  if (key == nullptr) return;
+  const Mac mac = compute_mac(before_mac, key->bytes);
+  std::copy(mac.begin(), mac.end(), datagram.bytes.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
-Reject open_datagram(std::span<const std::uint8_t> datagram, Opened& out) {
+Reject open_datagram(std::span<const std::uint8_t> datagram, Opened& out, const KeyRing& keys) {
   if (datagram.size() < kHeaderBytes) return Reject::too_short;
   if (datagram.size() > kMaxDatagramBytes) return Reject::too_long;
   ByteReader reader(datagram);
@@ -84,7 +101,7 @@ Reject open_datagram(std::span<const std::uint8_t> datagram, Opened& out) {
   read_fields(reader, header);
   ByteReader crc(datagram.subspan(kCrcOffset, 4));
   if (crc.get<std::uint32_t>() != datagram_crc(datagram.first(end))) return Reject::crc;
-  if (has_mac) return Reject::mac;
+  if (const Reject reason = check_mac(datagram, end, header.key_id, keys); reason != Reject::none) return reason;
   out.body = datagram.subspan(header_length, end - header_length);
   return Reject::none;
 }

@@ -8,12 +8,12 @@
 #include <string_view>
 
 #include "drivers/source.hpp"
+#include "node/protocol_mac.hpp"
 #include "node/protocol_reject.hpp"
 
 namespace scree::node::protocol {
 
 inline constexpr std::size_t kHeaderBytes = 64;
-inline constexpr std::size_t kMacBytes = 16;
 inline constexpr std::size_t kMaxDatagramBytes = 1200;
 inline constexpr std::uint8_t kVersionMajor = 1;
 inline constexpr std::uint8_t kVersionMinor = 0;
@@ -83,8 +83,9 @@ struct Datagram {
   std::span<const std::uint8_t> view() const { return std::span(bytes).first(size); }
 };
 
-/// Writes header, lengths and CRC around a body of `body_bytes` that is already in place. The MAC flag must be clear.
-void seal(const Header& header, std::size_t body_bytes, Datagram& datagram);
+/// Writes header, lengths and CRC around a body of `body_bytes` that is already in place, and with a key the MAC behind
+/// it; MAC flag and key_id follow from the key alone. Body and MAC must fit.
+void seal(const Header& header, std::size_t body_bytes, Datagram& datagram, const Key* key = nullptr);
 
 /// What decode_datagram found; `body` points into the datagram.
 struct Opened {
@@ -92,8 +93,11 @@ struct Opened {
   std::span<const std::uint8_t> body;
 };
 
+inline const KeyRing kNoKeys;
+
 /// Checks length, magic, version, total_len, header_len, CRC and MAC in that order. Never reads outside `datagram`.
-Reject open_datagram(std::span<const std::uint8_t> datagram, Opened& out);
+/// With keys, a datagram must have a MAC of one of them; without, it must have none.
+Reject open_datagram(std::span<const std::uint8_t> datagram, Opened& out, const KeyRing& keys = kNoKeys);
 
 /// zlib's CRC-32 of everything before the MAC, with the CRC field taken as zero. At least 64 bytes.
 std::uint32_t datagram_crc(std::span<const std::uint8_t> before_mac);

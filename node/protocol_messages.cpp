@@ -1,7 +1,6 @@
 #include "node/protocol_messages.hpp"
 
 #include <cassert>
-#include <cmath>
 
 #include "node/protocol_bytes.hpp"
 #include "node/protocol_tile.hpp"
@@ -9,11 +8,9 @@
 namespace scree::node::protocol {
 namespace {
 
-constexpr double kNormTolerance = 1e-3;  // as PoseTrack's
-
-void finish(Header& header, const ByteWriter& writer, Datagram& out) {
+void finish(Header& header, const ByteWriter& writer, Datagram& out, const Key* key) {
   assert(writer.ok());
-  seal(header, writer.size(), out);
+  seal(header, writer.size(), out, key);
 }
 
 bool valid_rectangle(const Manifest& manifest) {
@@ -31,7 +28,7 @@ bool body_ends_at(const Opened& opened, std::size_t bytes) {
   return opened.header.ver_minor == kVersionMinor ? opened.body.size() == bytes : opened.body.size() >= bytes;
 }
 
-void encode(Header header, const Manifest& message, Datagram& out) {
+void encode(Header header, const Manifest& message, Datagram& out, const Key* key) {
   assert(valid_rectangle(message));
   header.type = MessageType::manifest;
   ByteWriter writer(out.body());
@@ -44,7 +41,7 @@ void encode(Header header, const Manifest& message, Datagram& out) {
   writer.zeros(2);
   const std::size_t tiles = std::size_t{message.columns} * message.rows;
   for (std::size_t i = 0; i < tiles; ++i) writer.put(message.tile_rev[i]);
-  finish(header, writer, out);
+  finish(header, writer, out, key);
 }
 
 Reject decode(const Opened& opened, Manifest& out) {
@@ -65,7 +62,7 @@ Reject decode(const Opened& opened, Manifest& out) {
   return Reject::none;
 }
 
-void encode(Header header, const Heartbeat& message, Datagram& out) {
+void encode(Header header, const Heartbeat& message, Datagram& out, const Key* key) {
   assert(message.sensor_count <= kMaxSensors);
   header.type = MessageType::heartbeat;
   ByteWriter writer(out.body());
@@ -85,7 +82,7 @@ void encode(Header header, const Heartbeat& message, Datagram& out) {
     writer.zeros(2);
     writer.put(message.sensors[i].age_ms);
   }
-  finish(header, writer, out);
+  finish(header, writer, out, key);
 }
 
 Reject decode(const Opened& opened, Heartbeat& out) {
@@ -115,51 +112,17 @@ Reject decode(const Opened& opened, Heartbeat& out) {
   return Reject::none;
 }
 
-void encode(Header header, const Bye& message, Datagram& out) {
+void encode(Header header, const Bye& message, Datagram& out, const Key* key) {
   header.type = MessageType::bye;
   ByteWriter writer(out.body());
   writer.put(static_cast<std::uint8_t>(message.reason));
   writer.zeros(kByeBytes - 1);
-  finish(header, writer, out);
+  finish(header, writer, out, key);
 }
 
 Reject decode(const Opened& opened, Bye& out) {
   if (opened.body.size() < kByeBytes || !body_ends_at(opened, kByeBytes)) return Reject::body_length;
   out.reason = static_cast<ByeReason>(opened.body[0]);
-  return Reject::none;
-}
-
-void encode(Header header, const PoseInputMessage& message, Datagram& out) {
-  header.type = MessageType::pose_input;
-  ByteWriter writer(out.body());
-  writer.put(static_cast<std::int64_t>(message.time.time_since_epoch().count()));
-  const Pose& pose = message.T_map_body;
-  for (int axis = 0; axis < 3; ++axis) writer.f64(pose.translation_m[axis]);
-  writer.f64(pose.rotation.x());
-  writer.f64(pose.rotation.y());
-  writer.f64(pose.rotation.z());
-  writer.f64(pose.rotation.w());
-  for (const float variance : message.variances) writer.f32(variance);
-  finish(header, writer, out);
-}
-
-Reject decode(const Opened& opened, PoseInputMessage& out) {
-  if (opened.body.size() < kPoseInputBytes || !body_ends_at(opened, kPoseInputBytes)) return Reject::body_length;
-  ByteReader reader(opened.body);
-  out.time = Time(Duration(reader.get<std::int64_t>()));
-  for (int axis = 0; axis < 3; ++axis) out.T_map_body.translation_m[axis] = reader.f64();
-  const double qx = reader.f64(), qy = reader.f64(), qz = reader.f64(), qw = reader.f64();
-  out.T_map_body.rotation = Eigen::Quaterniond(qw, qx, qy, qz);
-  // differences of two accepted times fit 64 bits, those of two positions a double; all written so that NaN fails too
-  if (out.time > Time(kMaxPoseTime) || out.time < Time(-kMaxPoseTime)) return Reject::body_value;
-  if (!(out.T_map_body.translation_m.cwiseAbs().maxCoeff() <= kMaxPoseCoordinate_m)) return Reject::body_value;
-  if (!out.T_map_body.translation_m.allFinite()) return Reject::body_value;  // maxCoeff may pass over a NaN
-  if (!(std::abs(out.T_map_body.rotation.norm() - 1.0) <= kNormTolerance)) return Reject::body_value;
-  out.T_map_body.rotation.normalize();
-  for (float& variance : out.variances) {
-    variance = reader.f32();
-    if (!std::isfinite(variance) || variance < 0.0f) return Reject::body_value;
-  }
   return Reject::none;
 }
 

@@ -1,7 +1,8 @@
 #pragma once
-// The bodies of ANNOUNCE, MANIFEST, HEARTBEAT, BYE and POSE_INPUT (offset tables: docs/protocol.md).
-// encode() sets header.type and seals the datagram; decode() checks a body of the type that the header names and
-// returns body_length or body_value. Bytes beyond the known body are refused in 1.0 and skipped in later minors.
+// The bodies of ANNOUNCE, MANIFEST, HEARTBEAT, BYE, POSE and POSE_INPUT (offset tables: docs/protocol.md).
+// encode() sets header.type and seals the datagram, with a MAC when given a key; decode() checks a body of the type
+// that the header names and returns body_length or body_value. Bytes beyond the known body are refused in 1.0 and
+// skipped in later minors.
 
 #include <array>
 #include <cstdint>
@@ -110,17 +111,27 @@ struct PoseInputMessage {
   std::array<float, 6> variances{};
 };
 
-void encode(Header header, const Announce& message, Datagram& out);
-void encode(Header header, const Manifest& message, Datagram& out);
-void encode(Header header, const Heartbeat& message, Datagram& out);
-void encode(Header header, const Bye& message, Datagram& out);
-void encode(Header header, const PoseInputMessage& message, Datagram& out);
+/// The pose that the map took for a frame.
+struct PoseMessage {
+  Time time;  ///< Unix time at which it held: the frame's middle row
+  Pose T_map_body;
+  std::array<float, 6> variances{};  ///< as in PoseInputMessage
+  std::uint32_t age_us = 0;          ///< since the pose was delivered to the node
+};
+
+void encode(Header header, const Announce& message, Datagram& out, const Key* key = nullptr);
+void encode(Header header, const Manifest& message, Datagram& out, const Key* key = nullptr);
+void encode(Header header, const Heartbeat& message, Datagram& out, const Key* key = nullptr);
+void encode(Header header, const Bye& message, Datagram& out, const Key* key = nullptr);
+void encode(Header header, const PoseInputMessage& message, Datagram& out, const Key* key = nullptr);
+void encode(Header header, const PoseMessage& message, Datagram& out, const Key* key = nullptr);
 
 Reject decode(const Opened& opened, Announce& out);
 Reject decode(const Opened& opened, Manifest& out);
 Reject decode(const Opened& opened, Heartbeat& out);
 Reject decode(const Opened& opened, Bye& out);
 Reject decode(const Opened& opened, PoseInputMessage& out);
+Reject decode(const Opened& opened, PoseMessage& out);
 
 /// A name that ANNOUNCE can carry: 1 … 31 bytes, no control characters.
 bool valid_name(std::string_view name);
@@ -133,6 +144,7 @@ inline constexpr std::size_t kHeartbeatBytes = 56;  ///< then 8 for each sensor
 inline constexpr std::size_t kSensorBytes = 8;
 inline constexpr std::size_t kByeBytes = 8;
 inline constexpr std::size_t kPoseInputBytes = 88;
+inline constexpr std::size_t kPoseBytes = 96;
 
 /// 1.0 bodies end where their type says; a later minor version may append.
 bool body_ends_at(const Opened& opened, std::size_t bytes);

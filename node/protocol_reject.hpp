@@ -18,7 +18,7 @@ enum class Reject : std::uint8_t {
   total_length,   ///< total_len is not the received length
   header_length,  ///< header_len below 64 or beyond the datagram
   crc,
-  mac,          ///< carries a MAC: this version of the library holds no key to check it with
+  mac,          ///< with keys: no MAC, another key_id, or a wrong one; without keys: a MAC that nothing can check
   stream,       ///< another stream_id
   origin,       ///< an origin that the receiver does not accept
   old_boot,     ///< of a boot_id that a later one has replaced

@@ -17,9 +17,11 @@ int run_at(std::span<const std::int16_t> raw, std::size_t begin) {
   return static_cast<int>(end - begin);
 }
 
+/// Gives up, with raw.size(), as soon as it is not shorter than that.
 std::size_t run_length_bytes(std::span<const std::int16_t> raw) {
   std::size_t bytes = 0;
-  for (std::size_t i = 0; i < raw.size(); i += static_cast<std::size_t>(run_at(raw, i))) bytes += 2;
+  for (std::size_t i = 0; i < raw.size() && bytes < raw.size(); i += static_cast<std::size_t>(run_at(raw, i)))
+    bytes += 2;
   return bytes;
 }
 
@@ -49,7 +51,7 @@ void put_cells(ByteWriter& writer, Layer layer, Encoding encoding, std::span<con
       i += static_cast<std::size_t>(run);
     }
   } else {
-    for (const std::int16_t value : raw) put_raw(writer, type, value);
+    writer.put_all(raw, type == Encoding::i16 ? 2 : 1);
   }
 }
 
@@ -101,7 +103,7 @@ bool valid_rows(Layer layer, int row0, int rows) {
   return row0 == 0 && rows == kTileCells;
 }
 
-void encode(Header header, const TileBlock& block, Datagram& out) {
+void encode(Header header, const TileBlock& block, Datagram& out, const Key* key) {
   assert(valid_rows(block.layer, block.row0, block.rows));
   header.type = MessageType::tile;
   const Encoding encoding = choose_encoding(block.layer, block.view());
@@ -121,7 +123,7 @@ void encode(Header header, const TileBlock& block, Datagram& out) {
   writer.put(block.block_age_ms);
   put_cells(writer, block.layer, encoding, block.view());
   assert(writer.ok());
-  seal(header, writer.size(), out);
+  seal(header, writer.size(), out, key);
 }
 
 Reject decode(const Opened& opened, TileBlock& out) {

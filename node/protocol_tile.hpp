@@ -40,7 +40,7 @@ bool valid_rows(Layer layer, int row0, int rows);
 
 /// Encodes with the shortest of constant, run-length (u8 only) and raw. `header.type` is set. `block` must be valid
 /// (valid_rows; raw values within the layer's type).
-void encode(Header header, const TileBlock& block, Datagram& out);
+void encode(Header header, const TileBlock& block, Datagram& out, const Key* key = nullptr);
 
 /// Reject::layer, body_length or body_value; `out` is unspecified then.
 Reject decode(const Opened& opened, TileBlock& out);

@@ -6,21 +6,21 @@
 
 namespace scree::node {
 
-bool Outbox::flush() {
+bool Outbox::flush(PublisherCounters& counters) {
   std::array<std::span<const std::uint8_t>, kCapacity> views;
   std::size_t done = 0;
   bool open = true;
   while (done < size_ && open) {
     for (std::size_t i = done; i < size_; ++i) views[i] = datagrams_[i].view();
-    const auto sent = socket_.send(std::span(views).subspan(done, size_ - done));
-    for (std::size_t i = done; i < done + sent.datagrams; ++i) counters_.bytes += datagrams_[i].size;
-    counters_.datagrams += sent.datagrams;
+    const auto sent = socket_->send(std::span(views).subspan(done, size_ - done), to_ ? &*to_ : nullptr);
+    for (std::size_t i = done; i < done + sent.datagrams; ++i) counters.bytes += datagrams_[i].size;
+    counters.datagrams += sent.datagrams;
     done += sent.datagrams;
     if (sent.outcome == UdpSocket::Outcome::blocked) {
-      ++counters_.send_blocked;
+      ++counters.send_blocked;
       open = false;
     } else if (sent.outcome != UdpSocket::Outcome::all) {
-      ++counters_.send_errors;
+      ++counters.send_errors;
       if (sent.outcome == UdpSocket::Outcome::too_long && !error_)
         error_ = Error{ErrorKind::bad_config,
                        fmt::format("publish.destination: expected a path that takes UDP payloads of {} bytes "

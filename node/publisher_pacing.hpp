@@ -7,11 +7,13 @@
 
 namespace scree::node {
 
-/// Tokens arrive at `per_second` up to 20 ms worth. A message in progress may overdraw; the debt is paid first.
+/// Tokens arrive at `per_second` up to `capacity`, 20 ms worth. A message in progress may overdraw; the debt is paid
+/// first.
 class TokenBucket {
  public:
-  explicit TokenBucket(double per_second)
-      : per_second_(std::max(per_second, 1.0)), capacity_(std::max(per_second_ * 0.02, 4.0)), tokens_(capacity_) {}
+  explicit TokenBucket(double per_second) : TokenBucket(per_second, std::max(per_second * 0.02, 4.0)) {}
+  TokenBucket(double per_second, double capacity)
+      : per_second_(std::max(per_second, 1.0)), capacity_(capacity), tokens_(capacity) {}
 
   void refill(MonotonicTime now) {
     if (filled_ != MonotonicTime{} && now > filled_)

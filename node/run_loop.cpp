@@ -10,14 +10,14 @@
 
 namespace scree::node {
 
-Result<Outcome> run_to_end(PipelineConfig config, std::unique_ptr<drivers::Source> source,
-                           std::unique_ptr<PoseInput> input, std::unique_ptr<Publisher> publisher) {
+Result<Outcome> run_to_end(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<Inbox> inbox,
+                           std::unique_ptr<Publisher> publisher) {
   using std::chrono::milliseconds;
   SignalWatch signals;
   const std::string name = source->name();
   const auto frames = config.reopen ? std::nullopt : source->frame_count();
   Progress progress("mapping", frames.value_or(0));
-  Pipeline pipeline(std::move(config), std::move(source), std::move(input), std::move(publisher));
+  Pipeline pipeline(std::move(config), std::move(source), std::move(inbox), std::move(publisher));
   Outcome outcome;
   auto next_line = MonotonicClock::now() + std::chrono::seconds(1);
   while (!pipeline.wait_finished(milliseconds(20))) {

@@ -19,7 +19,7 @@ struct Outcome {
 
 /// Runs until the source ends or a signal comes. Errors: what ended the source early; bad_data when it ended without
 /// one frame that could be mapped.
-Result<Outcome> run_to_end(PipelineConfig config, std::unique_ptr<drivers::Source> source,
-                           std::unique_ptr<PoseInput> input, std::unique_ptr<Publisher> publisher);
+Result<Outcome> run_to_end(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<Inbox> inbox,
+                           std::unique_ptr<Publisher> publisher);
 
 }  // namespace scree::node

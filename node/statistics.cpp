@@ -1,5 +1,6 @@
 #include "node/statistics.hpp"
 
+#include <array>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -24,13 +25,16 @@ nlohmann::ordered_json pixel_json(const PixelCounts& pixels) {
           {"wrapped", pixels.wrapped}};
 }
 
-nlohmann::ordered_json publisher_json(const PublisherCounters& publisher) {
+nlohmann::ordered_json publisher_json(const PublisherCounters& publisher, std::uint64_t superseded) {
   return {{"snapshots", publisher.snapshots},
           {"snapshots_superseded", publisher.snapshots_superseded},
           {"snapshots_refused", publisher.snapshots_refused},
           {"blocks", publisher.blocks},
           {"blocks_refreshed", publisher.blocks_refreshed},
+          {"blocks_repeated", publisher.blocks_repeated},
           {"cells_saturated", publisher.cells_saturated},
+          {"poses", publisher.poses},
+          {"poses_superseded", publisher.poses_superseded + superseded},
           {"send_blocked", publisher.send_blocked}};
 }
 
@@ -38,6 +42,48 @@ nlohmann::ordered_json source_json(const drivers::SourceCounters& source) {
   auto json = nlohmann::ordered_json::object();
   for (const auto& item : source.items()) json[item.name] = item.value;
   return json;
+}
+
+/// The reasons that occurred.
+nlohmann::ordered_json reasons_json(const std::array<std::uint64_t, protocol::kRejectReasons>& rejected_by) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (std::size_t i = 1; i < rejected_by.size(); ++i)
+    if (rejected_by[i] > 0) json[std::string(protocol::reject_name(static_cast<protocol::Reject>(i)))] = rejected_by[i];
+  return json;
+}
+
+nlohmann::ordered_json clients_json(const Statistics& s) {
+  const SubscriptionCounters& c = s.subscriptions;
+  return {{"subscribers", s.subscribers},
+          {"subscribes", c.subscribes},
+          {"cookies", c.cookies},
+          {"cookie_unknown", c.cookie_unknown},
+          {"begun", c.begun},
+          {"ended", c.ended},
+          {"lease_expired", c.lease_expired},
+          {"refused_full", c.refused_full},
+          {"outdated", c.outdated},
+          {"nacks", c.nacks},
+          {"nacks_unsubscribed", c.nacks_unsubscribed},
+          {"nack_tiles", c.nack_tiles},
+          {"tiles_requeued", c.tiles_requeued},
+          {"pings", c.pings},
+          {"rate_limited", c.rate_limited}};
+}
+
+nlohmann::ordered_json received_json(const Statistics& s) {
+  const PoseInputCounters& poses = s.inbox.poses;
+  return {{"requests", s.inbox.requests.datagrams},
+          {"requests_rejected", reasons_json(s.inbox.requests.rejected_by)},
+          {"requests_overflowed", s.requests_overflowed},
+          {"poses", poses.datagrams},
+          {"poses_accepted", poses.accepted},
+          {"poses_rejected", reasons_json(poses.rejected_by)},
+          {"poses_foreign_address", poses.foreign_address},
+          {"poses_not_later", poses.not_later},
+          {"poses_in_future", poses.in_future},
+          {"poses_in_past", poses.in_past},
+          {"overflowed", s.inbox.overflowed}};
 }
 
 }  // namespace
@@ -69,16 +115,21 @@ std::string to_json(const Statistics& s) {
       {"registration_m", s.registration_m},
       {"cells_measured", s.cells_measured},
       {"latency_ms", {{"p50", to_ms(s.latency_p50)}, {"p99", to_ms(s.latency_p99)}, {"max", to_ms(s.latency_max)}}},
+      {"latency_out_ms",
+       {{"p50", to_ms(s.latency_out_p50)}, {"p99", to_ms(s.latency_out_p99)}, {"max", to_ms(s.latency_out_max)}}},
       {"datagrams", s.publisher.datagrams},
       {"bytes", s.publisher.bytes},
       {"send_errors", s.publisher.send_errors},
       {"lost", 0},
-      {"rejected", s.rejected},
+      {"rejected", s.inbox.rejected()},
       {"elapsed_s", to_seconds(s.elapsed)},
       {"mapping_s", to_seconds(s.mapping)},
       {"frames_per_s", s.frames_per_s()},
       {"source", source_json(s.source)},
-      {"publisher", publisher_json(s.publisher)},
+      {"publisher", publisher_json(s.publisher, s.poses_superseded)},
+      {"clients", clients_json(s)},
+      {"received", received_json(s)},
+      {"health_changes", s.health_changes},
       {"pixels", pixel_json(s.pixels)}};
   return json.dump(2);
 }

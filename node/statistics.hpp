@@ -7,6 +7,7 @@
 #include "core/time.hpp"
 #include "drivers/frame/point_frame.hpp"
 #include "drivers/source.hpp"
+#include "node/inbox.hpp"
 #include "node/publisher.hpp"
 
 namespace scree::node {
@@ -32,9 +33,17 @@ struct Statistics {
   Duration latency_p99{0};
   Duration latency_max{0};
   drivers::SourceCounters source;  ///< what it counts of its own
+  Duration latency_out_p50{0};  ///< the same to the last changed block out, at the configured destination
+  Duration latency_out_p99{0};
+  Duration latency_out_max{0};
   PublisherCounters publisher;
-  std::uint64_t rejected = 0;  ///< datagrams received that failed a check
-  Duration elapsed{0};         ///< wall clock of the whole run, with start-up and the last map's way out
+  SubscriptionCounters subscriptions;
+  std::size_t subscribers = 0;            ///< at this moment
+  InboxCounters inbox;                    ///< what came in
+  std::uint64_t requests_overflowed = 0;  ///< of it, gone because the publisher did not keep up
+  std::uint64_t poses_superseded = 0;     ///< of frames fused faster than they are published
+  std::uint64_t health_changes = 0;       ///< times that a health bit was set
+  Duration elapsed{0};                    ///< wall clock of the whole run, with start-up and the last map's way out
   /// From the moment the map stage took its first frame to the end of the last one that it mapped: what frames_per_s
   /// counts by.
   Duration mapping{0};

@@ -18,80 +18,68 @@ bool only_older(const TileUnit& unit, const QuantisedTile& now, Time data_time) 
 }  // namespace
 
 void TileBook::update(const mapping::MapSnapshot& snapshot) {
+  removed_.clear();
+  changed_.clear();
   const TileWindow window = tiles_touched(snapshot.window);
   if (window != window_) move_window(window);
   tiles_known_ = 0;
-  // layer by layer: under congestion every tile's cost goes before any tile's amplitude
   for (std::size_t layer = 0; layer < kPublishedLayers.size(); ++layer)
-    for (Slot& slot : index_) refresh_unit(snapshot, slot[layer]);
+    for (std::size_t position = 0; position < slots_.size(); ++position) refresh_unit(snapshot, at(position, layer));
 }
 
-void TileBook::refresh_unit(const mapping::MapSnapshot& snapshot, Units::iterator unit) {
-  gather(snapshot, unit->layer, unit->tile, values_);
-  quantise(unit->layer, values_, scratch_, quantisation_);
-  if (unit->layer == protocol::Layer::cost)
+void TileBook::refresh_unit(const mapping::MapSnapshot& snapshot, UnitHandle handle) {
+  TileUnit& unit = units_[handle];
+  gather(snapshot, unit.layer, unit.tile, values_);
+  quantise(unit.layer, values_, scratch_, quantisation_);
+  if (unit.layer == protocol::Layer::cost)
     tiles_known_ += std::any_of(scratch_.raw.begin(), scratch_.raw.end(),
                                 [](std::int16_t raw) { return raw != protocol::kUnknownU8; })
                         ? 1u
                         : 0u;
-  if (unit->filled && (scratch_ == unit->content || only_older(*unit, scratch_, snapshot.data_time))) return;
-  unit->content = scratch_;
-  unit->taken = snapshot.data_time;
-  unit->tile_rev = snapshot.revision;
-  unit->changed = true;
-  if (unit->filled && unit->pending) return;  // keeps its place
-  pending_.splice(pending_.end(), unit->pending ? pending_ : sent_, unit);
-  unit->filled = true;
-  unit->pending = true;
+  if (unit.filled && (scratch_ == unit.content || only_older(unit, scratch_, snapshot.data_time))) return;
+  unit.content = scratch_;
+  unit.taken = snapshot.data_time;
+  unit.tile_rev = snapshot.revision;
+  unit.filled = true;
+  changed_.push_back(handle);
 }
 
 void TileBook::move_window(const TileWindow& window) {
-  std::vector<Slot> moved(static_cast<std::size_t>(window.tiles()));
-  for (std::size_t position = 0; position < index_.size(); ++position) {
+  constexpr auto kLayers = static_cast<UnitHandle>(kPublishedLayers.size());
+  constexpr auto kNone = static_cast<std::uint32_t>(-1);
+  std::vector<std::uint32_t> moved(static_cast<std::size_t>(window.tiles()), kNone);
+  for (std::size_t position = 0; position < slots_.size(); ++position) {
     const TileIndex tile = window_.tile(position);
     if (window.contains(tile)) {
-      moved[window.position(tile)] = index_[position];
+      moved[window.position(tile)] = slots_[position];
       continue;
     }
-    for (const Units::iterator unit : index_[position]) (unit->pending ? pending_ : sent_).erase(unit);
+    free_slots_.push_back(slots_[position]);
+    for (UnitHandle layer = 0; layer < kLayers; ++layer) removed_.push_back(slots_[position] * kLayers + layer);
   }
   for (std::size_t position = 0; position < moved.size(); ++position) {
-    const TileIndex tile = window.tile(position);
-    if (window_.contains(tile)) continue;
-    for (std::size_t layer = 0; layer < kPublishedLayers.size(); ++layer) {
-      TileUnit unit;
-      unit.tile = tile;
+    if (moved[position] != kNone) continue;
+    if (free_slots_.empty()) {
+      free_slots_.push_back(static_cast<std::uint32_t>(units_.size() / kLayers));
+      units_.resize(units_.size() + kLayers);
+    }
+    moved[position] = free_slots_.back();
+    free_slots_.pop_back();
+    for (UnitHandle layer = 0; layer < kLayers; ++layer) {
+      TileUnit& unit = units_[moved[position] * kLayers + layer];
+      unit.tile = window.tile(position);
       unit.layer = kPublishedLayers[layer];
-      unit.pending = true;
-      moved[position][layer] = pending_.insert(pending_.end(), unit);
+      unit.filled = false;
     }
   }
-  index_ = std::move(moved);
+  slots_ = std::move(moved);
   window_ = window;
 }
 
-void TileBook::mark_sent(TileUnit& unit) {
-  Units& from = unit.pending ? pending_ : sent_;
-  unit.pending = false;
-  unit.changed = false;
-  sent_.splice(sent_.end(), from, from.begin());
-}
-
-void TileBook::mark_all_pending() {
-  for (TileUnit& unit : sent_) unit.pending = true;
-  pending_.splice(pending_.end(), sent_);
-}
-
-std::size_t TileBook::pending_blocks() const {
-  std::size_t count = 0;
-  for (const TileUnit& unit : pending_) count += static_cast<std::size_t>(block_count(unit.layer));
-  return count;
-}
-
-std::size_t TileBook::blocks() const {
-  std::size_t per_tile = 0;
-  for (const protocol::Layer layer : kPublishedLayers) per_tile += static_cast<std::size_t>(block_count(layer));
-  return index_.size() * per_tile;
+std::optional<UnitHandle> TileBook::find(TileIndex tile, protocol::Layer layer) const {
+  const auto published = std::find(kPublishedLayers.begin(), kPublishedLayers.end(), layer);
+  if (published == kPublishedLayers.end() || !window_.contains(tile)) return std::nullopt;
+  return at(window_.position(tile), static_cast<std::size_t>(published - kPublishedLayers.begin()));
 }
 
 }  // namespace scree::node

@@ -1,9 +1,10 @@
 #pragma once
-// What there is to send: the quantised tiles of the newest map, which of them changed, and which were not sent for
-// the longest time.
+// The quantised tiles of the newest map, and which of them changed. Every destination sends from the same book.
 
 #include <array>
-#include <list>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "core/time.hpp"
@@ -29,51 +30,49 @@ struct TileUnit {
   protocol::Layer layer = protocol::Layer::cost;
   std::uint32_t tile_rev = 0;  ///< map revision at which this layer of this tile last changed
   bool filled = false;         ///< has content
-  bool pending = false;        ///< waits to be sent
-  bool changed = false;        ///< differs from what was last sent
   Time taken;                  ///< of the data of `content`
   QuantisedTile content;
 };
 
+/// Names a unit as long as its tile is in the window; then it is given to another one.
+using UnitHandle = std::uint32_t;
+
 class TileBook {
  public:
   /// Cuts the snapshot into tiles. A unit whose quantised content changed, or that is new in the window, gets the
-  /// snapshot's revision and becomes pending; one that is pending already keeps its place. Tiles that left the window
-  /// are forgotten. Cost: about 9 ns per cell and layer.
+  /// snapshot's revision. Tiles that left the window are forgotten. Cost: see docs/protocol.md, "Cost".
   void update(const mapping::MapSnapshot& snapshot);
 
-  bool has_pending() const { return !pending_.empty(); }
-  /// The unit that waits longest, or the one that was sent longest ago. Null when there is none. Valid until update.
-  TileUnit* next_pending() { return pending_.empty() ? nullptr : &pending_.front(); }
-  TileUnit* least_recently_sent() { return sent_.empty() ? nullptr : &sent_.front(); }
-  /// The unit (one of the two above) was handed to the socket.
-  void mark_sent(TileUnit& unit);
-  /// Everything is to be sent once more.
-  void mark_all_pending();
+  /// Of the last update: units whose tile left the window. Their handles may be among `changed`, for other tiles.
+  std::span<const UnitHandle> removed() const { return removed_; }
+  /// Of the last update, layer by layer: under congestion every tile's cost goes before any tile's amplitude.
+  std::span<const UnitHandle> changed() const { return changed_; }
 
-  /// Datagrams of the units that are pending. Walks them.
-  std::size_t pending_blocks() const;
+  const TileUnit& unit(UnitHandle handle) const { return units_[handle]; }
+  /// All handles are below.
+  std::size_t handles() const { return units_.size(); }
+  UnitHandle at(std::size_t position, std::size_t layer) const {
+    return slots_[position] * static_cast<UnitHandle>(kPublishedLayers.size()) + static_cast<UnitHandle>(layer);
+  }
+  /// None outside the window and for layers that are not published.
+  std::optional<UnitHandle> find(TileIndex tile, protocol::Layer layer) const;
 
   const TileWindow& window() const { return window_; }
-  std::size_t units() const { return index_.size() * kPublishedLayers.size(); }
-  /// Of one datagram each; a 16-bit layer takes two.
-  std::size_t blocks() const;
-  std::uint32_t tile_rev(std::size_t position, std::size_t layer) const { return index_[position][layer]->tile_rev; }
+  std::uint32_t tile_rev(std::size_t position, std::size_t layer) const { return unit(at(position, layer)).tile_rev; }
   /// Tiles with at least one known cost.
   std::uint32_t tiles_known() const { return tiles_known_; }
   const QuantisationCounts& quantisation() const { return quantisation_; }
 
  private:
-  using Units = std::list<TileUnit>;  // nodes keep their address while they change lists
-  using Slot = std::array<Units::iterator, kPublishedLayers.size()>;
-
   void move_window(const TileWindow& window);
-  void refresh_unit(const mapping::MapSnapshot& snapshot, Units::iterator unit);
+  void refresh_unit(const mapping::MapSnapshot& snapshot, UnitHandle handle);
 
   TileWindow window_;
-  std::vector<Slot> index_;  // by position in the window
-  Units pending_;            // first = waits longest
-  Units sent_;               // first = sent longest ago
+  std::vector<std::uint32_t> slots_;  // by position in the window: the tile's units begin at slot · layers
+  std::vector<std::uint32_t> free_slots_;
+  std::vector<TileUnit> units_;
+  std::vector<UnitHandle> removed_;
+  std::vector<UnitHandle> changed_;
   std::uint32_t tiles_known_ = 0;
   QuantisationCounts quantisation_;
   std::array<float, protocol::kTileArea> values_{};

@@ -1,8 +1,11 @@
 #include "node/tile_quantise.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "core/simd.hpp"
 
 namespace scree::node {
 namespace {
@@ -21,15 +24,22 @@ struct Extent {
   bool empty() const { return low > high; }
 };
 
-/// Of the finite values.
-Extent extent_of(std::span<const float> values) {
-  Extent extent;
-  for (const float value : values) {
-    if (!std::isfinite(value)) continue;
-    extent.low = std::min(extent.low, value);
-    extent.high = std::max(extent.high, value);
+/// Of the finite values; their number is a multiple of the lanes. Minimum and maximum do not depend on the order, but
+/// the compiler must be told so: a lane each.
+SCREE_CLONES Extent extent_of(std::span<const float> values) {
+  constexpr std::size_t kLanes = 16;
+  std::array<float, kLanes> low, high;
+  low.fill(Extent{}.low);
+  high.fill(Extent{}.high);
+  for (std::size_t i = 0; i < values.size(); i += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float value = values[i + k];
+      const bool finite = std::abs(value) <= std::numeric_limits<float>::max();  // false for NaN too
+      low[k] = finite && value < low[k] ? value : low[k];
+      high[k] = finite && value > high[k] ? value : high[k];
+    }
   }
-  return extent;
+  return {*std::min_element(low.begin(), low.end()), *std::max_element(high.begin(), high.end())};
 }
 
 /// The smallest doubling of `finest` with `reach` ≤ steps · scale, but not above `coarsest`.
@@ -51,28 +61,43 @@ QuantisedTile::Scale choose_scale(const LayerFormat& format, std::span<const flo
   return {ladder_scale(reach, kMaxI16, format.scale, format.max_scale), centre};
 }
 
-void quantise_cells(const LayerFormat& format, QuantisedTile::Scale scale, std::span<const float> values,
-                    std::span<std::int16_t> raw, QuantisationCounts& counts) {
-  const bool wide = format.encoding == protocol::Encoding::i16;
-  const double low = wide ? -kMaxI16 : 0.0, high = wide ? kMaxI16 : kMaxU8;
-  const double inverse = 1.0 / static_cast<double>(scale.scale);
-  const double offset = scale.offset;
-  const std::int16_t unknown = protocol::unknown_raw(format.layer);
-  std::uint64_t saturated = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double value = values[i];
-    const double steps = std::floor((value - offset) * inverse + 0.5);
-    const double clamped = std::min(std::max(steps, low), high);
-    const bool known = std::abs(value) <= std::numeric_limits<float>::max();  // false for NaN and infinities
-    raw[i] = known ? static_cast<std::int16_t>(clamped) : unknown;
-    saturated += (known && clamped != steps) ? 1u : 0u;
+struct CellRule {
+  double low, high;
+  double inverse;
+  double offset;
+  int unknown;
+};
+
+/// Returns how many were saturated. In doubles, so that scale/2 bounds the error of large heights too. Half steps go
+/// up; far from zero the truncation of a conversion is a floor, which vectorises everywhere.
+SCREE_CLONES int quantise_cells(const CellRule rule, const float* values, std::int16_t* raw, int count) {
+  constexpr double kFar = 65536.0;
+  const int lowest = static_cast<int>(rule.low), highest = static_cast<int>(rule.high);
+  int saturated = 0;
+  for (int i = 0; i < count; ++i) {
+    const double steps = (static_cast<double>(values[i]) - rule.offset) * rule.inverse;
+    const double above = steps > rule.low - 1.0 ? steps : rule.low - 1.0;  // NaN too, which becomes unknown
+    const double within = above < rule.high + 1.0 ? above : rule.high + 1.0;
+    const int rounded = static_cast<int>(within + (kFar + 0.5)) - static_cast<int>(kFar);
+    const int clamped = std::min(std::max(rounded, lowest), highest);
+    const int known = std::abs(values[i]) <= std::numeric_limits<float>::max() ? -1 : 0;  // 0 for NaN
+    raw[i] = static_cast<std::int16_t>((clamped & known) | (rule.unknown & ~known));
+    saturated += known & (clamped != rounded ? 1 : 0);
   }
-  counts.saturated += saturated;
+  return saturated;
 }
 
-template <class Value>
-void gather_cells(const mapping::MapSnapshot& snapshot, TileIndex tile, std::span<float, protocol::kTileArea> values,
-                  Value value_at) {
+CellRule cell_rule(const LayerFormat& format, QuantisedTile::Scale scale) {
+  const bool wide = format.encoding == protocol::Encoding::i16;
+  return {wide ? -double{kMaxI16} : 0.0, wide ? double{kMaxI16} : double{kMaxU8},
+          1.0 / static_cast<double>(scale.scale), static_cast<double>(scale.offset),
+          protocol::unknown_raw(format.layer)};
+}
+
+/// `convert` makes a float of a cell.
+template <class Cell, class Convert>
+void gather_cells(const mapping::MapSnapshot& snapshot, const Grid<Cell>& grid, TileIndex tile,
+                  std::span<float, protocol::kTileArea> values, Convert convert) {
   const std::int64_t x0 = std::int64_t{tile.tx} * protocol::kTileCells - snapshot.window.min.x;
   const std::int64_t y0 = std::int64_t{tile.ty} * protocol::kTileCells - snapshot.window.min.y;
   const auto begin = static_cast<int>(std::clamp<std::int64_t>(-x0, 0, protocol::kTileCells));
@@ -83,7 +108,9 @@ void gather_cells(const mapping::MapSnapshot& snapshot, TileIndex tile, std::spa
     float* const out = values.data() + r * protocol::kTileCells;
     std::fill_n(out, protocol::kTileCells, kNaN);
     if (row < 0 || row >= snapshot.window.rows) continue;
-    for (int c = begin; c < end; ++c) out[c] = value_at(static_cast<int>(row), static_cast<int>(x0 + c));
+    if (begin == end) continue;
+    const Cell* const in = &grid(static_cast<int>(row), static_cast<int>(x0 + begin));
+    for (int c = 0; c < end - begin; ++c) out[begin + c] = convert(in[c]);
   }
 }
 
@@ -92,20 +119,19 @@ void gather_cells(const mapping::MapSnapshot& snapshot, TileIndex tile, std::spa
 void gather(const mapping::MapSnapshot& snapshot, Layer layer, TileIndex tile,
             std::span<float, protocol::kTileArea> values) {
   const auto floats = [&](const Grid<float>& grid) {
-    gather_cells(snapshot, tile, values, [&](int row, int column) { return grid(row, column); });
+    gather_cells(snapshot, grid, tile, values, [](float value) { return value; });
   };
   switch (layer) {
     case Layer::cost:
-      return gather_cells(snapshot, tile, values, [&](int row, int column) {
-        const std::uint8_t cost = snapshot.cost(row, column);
+      return gather_cells(snapshot, snapshot.cost, tile, values, [](std::uint8_t cost) {
         return cost == mapping::kCostUnknown ? kNaN : static_cast<float>(cost);
       });
     case Layer::cell_state:
-      return gather_cells(snapshot, tile, values,
-                          [&](int row, int column) { return static_cast<float>(snapshot.state(row, column)); });
+      return gather_cells(snapshot, snapshot.state, tile, values,
+                          [](CellState state) { return static_cast<float>(state); });
     case Layer::hits:
-      return gather_cells(snapshot, tile, values,
-                          [&](int row, int column) { return static_cast<float>(snapshot.hits(row, column)); });
+      return gather_cells(snapshot, snapshot.hits, tile, values,
+                          [](std::uint16_t hits) { return static_cast<float>(hits); });
     case Layer::elevation:
       return floats(snapshot.elevation_m);
     case Layer::dimension:
@@ -140,7 +166,8 @@ void quantise(Layer layer, std::span<const float, protocol::kTileArea> values, Q
   for (std::size_t b = 0; b < blocks; ++b) {
     const std::span<const float> part = values.subspan(b * cells, cells);
     out.scale[b] = choose_scale(format, part);
-    quantise_cells(format, out.scale[b], part, std::span(out.raw).subspan(b * cells, cells), counts);
+    counts.saturated += static_cast<std::uint64_t>(quantise_cells(cell_rule(format, out.scale[b]), part.data(),
+                                                                  out.raw.data() + b * cells, static_cast<int>(cells)));
   }
 }
 

@@ -15,18 +15,13 @@ Time now() {
 
 }  // namespace
 
-/// Listens until a pose at or after `time` is there, the time is max_age old, or `stop`.
+/// Until a pose at or after `time` is there, the time is max_age old, or `stop`.
 bool UdpPoses::wait_for(Time time, const std::stop_token& stop) {
   constexpr std::chrono::milliseconds kSlice{20};
-  for (;;) {
-    const bool expired = now() > time + max_age_;
-    // even when it is too late to wait, what has arrived is read
-    const auto received = input_.poll(expired ? std::chrono::milliseconds(0) : kSlice);
-    const auto newest = input_.newest();
-    if (newest && newest->time >= time) return true;
-    if (!received || stop.stop_requested()) return false;
-    if (expired && !*received) return newest && newest->time + max_age_ >= time;
-  }
+  while (now() <= time + max_age_ && !stop.stop_requested())
+    if (input_.wait_for(time, kSlice, stop)) return true;
+  const auto newest = input_.newest();
+  return newest && newest->time + max_age_ >= time;
 }
 
 bool UdpPoses::provide(RangeFrame& frame, const std::stop_token& stop) {
@@ -38,6 +33,7 @@ bool UdpPoses::provide(RangeFrame& frame, const std::stop_token& stop) {
   }
   if (!wait_for(frame.row_time.back() + to_node_clock, stop)) return false;
   const auto newest = input_.newest();
+  if (!newest) return false;  // the source has just started again
   frame.T_map_body.resize(frame.row_time.size());
   for (std::size_t row = 0; row < frame.row_time.size(); ++row) {
     const Time time = frame.row_time[row] + to_node_clock;
@@ -45,6 +41,7 @@ bool UdpPoses::provide(RangeFrame& frame, const std::stop_token& stop) {
     if (!pose) return false;  // from before the first pose
     frame.T_map_body[row] = pose->T_map_body;
     frame.pose_variance = pose->variance;
+    delivered_ = pose->delivered;
   }
   return true;
 }

@@ -1,9 +1,7 @@
 #include "node/udp_socket.hpp"
 
 #include <algorithm>
-#include <arpa/inet.h>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -11,6 +9,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 #include <vector>
+
+#include "node/udp_options.hpp"
 
 namespace scree::node {
 namespace {
@@ -64,19 +64,8 @@ Endpoint from_socket_address(const sockaddr_storage& storage) {
   return out;
 }
 
-Error unavailable(const std::string& what, const Endpoint& endpoint, int error) {
-  if (error == EADDRINUSE)
-    return {ErrorKind::unavailable,
-            fmt::format("{} {}: expected a free UDP port, found it in use", what, to_string(endpoint))};
-  return {ErrorKind::unavailable, fmt::format("{} {}: {}", what, to_string(endpoint), std::strerror(error))};
-}
-
 int open_socket(const Endpoint& endpoint) {
   return socket(endpoint.v6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-}
-
-void set_option(int fd, int level, int option, int value) {
-  (void)setsockopt(fd, level, option, &value, sizeof value);  // buffer sizes are wishes
 }
 
 std::uint32_t overflow_count(msghdr& message, std::uint32_t before) {
@@ -88,41 +77,6 @@ std::uint32_t overflow_count(msghdr& message, std::uint32_t before) {
 }
 
 }  // namespace
-
-Result<Endpoint> parse_address(const std::string& text, const std::string& what) {
-  Endpoint out;
-  const std::string name = text == "localhost" ? "127.0.0.1" : text;
-  if (inet_pton(AF_INET, name.c_str(), out.address.data()) == 1) return out;
-  out.v6 = true;
-  const bool bracketed = name.size() > 2 && name.front() == '[' && name.back() == ']';
-  const std::string bare = bracketed ? name.substr(1, name.size() - 2) : name;
-  if (inet_pton(AF_INET6, bare.c_str(), out.address.data()) == 1) return out;
-  return Error{ErrorKind::usage,
-               fmt::format("{}: expected a numeric address such as 127.0.0.1, found '{}'", what, text)};
-}
-
-Result<Endpoint> parse_endpoint(const std::string& text, const std::string& what) {
-  const std::size_t colon = text.rfind(':');
-  unsigned port = 65536;
-  if (colon != std::string::npos) {
-    const char* const end = text.data() + text.size();
-    const auto parsed = std::from_chars(text.data() + colon + 1, end, port);
-    if (parsed.ec != std::errc{} || parsed.ptr != end) port = 65536;
-  }
-  if (port > 65535)
-    return Error{ErrorKind::usage,
-                 fmt::format("{}: expected ADDRESS:PORT with a port of 0 … 65535, found '{}'", what, text)};
-  auto address = parse_address(text.substr(0, colon), what);
-  if (!address) return address.error();
-  address->port = static_cast<std::uint16_t>(port);
-  return address;
-}
-
-std::string to_string(const Endpoint& endpoint) {
-  char text[INET6_ADDRSTRLEN] = "";
-  inet_ntop(endpoint.v6 ? AF_INET6 : AF_INET, endpoint.address.data(), text, sizeof text);
-  return endpoint.v6 ? fmt::format("[{}]:{}", text, endpoint.port) : fmt::format("{}:{}", text, endpoint.port);
-}
 
 struct UdpSocket::State {
   int fd = -1;
@@ -147,32 +101,37 @@ UdpSocket::UdpSocket(UdpSocket&&) noexcept = default;
 UdpSocket& UdpSocket::operator=(UdpSocket&&) noexcept = default;
 UdpSocket::~UdpSocket() = default;
 
-Result<UdpSocket> UdpSocket::bind(const Endpoint& local, const std::string& what) {
+Result<UdpSocket> UdpSocket::bind(const Endpoint& local, const std::string& what,
+                                  const std::string& multicast_interface) {
   auto state = std::make_unique<State>(open_socket(local));
   if (state->fd < 0) return unavailable(what, local, errno);
+  if (local.multicast()) set_option(state->fd, SOL_SOCKET, SO_REUSEADDR, 1);  // one group, many members on a machine
   const SocketAddress address = to_socket_address(local);
   if (::bind(state->fd, address.get(), address.size) != 0) return unavailable(what, local, errno);
   set_option(state->fd, SOL_SOCKET, SO_RCVBUF, kReceiveBufferBytes);
+  set_option(state->fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);
   set_option(state->fd, SOL_SOCKET, SO_RXQ_OVFL, 1);
+  if (auto set = set_df(state->fd, local, what); !set) return set.error();
+  if (local.multicast())
+    if (auto joined = join_group(state->fd, local, what, multicast_interface); !joined) return joined.error();
   state->buffers.resize(kBatch);
   return UdpSocket(std::move(state));
 }
 
-Result<UdpSocket> UdpSocket::connect_to(const Endpoint& destination, const std::string& what) {
+Result<UdpSocket> UdpSocket::connect_to(const Endpoint& destination, const std::string& what, const MulticastWay& way) {
   auto state = std::make_unique<State>(open_socket(destination));
   if (state->fd < 0) return unavailable(what, destination, errno);
+  if (destination.multicast())  // before connecting: it decides the local address
+    if (auto set = set_multicast_way(state->fd, destination, what, way); !set) return set.error();
   const SocketAddress address = to_socket_address(destination);
   if (connect(state->fd, address.get(), address.size) != 0) return unavailable(what, destination, errno);
   set_option(state->fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);
-  const int discover = destination.v6 ? IPV6_PMTUDISC_DO : IP_PMTUDISC_DO;
-  const int level = destination.v6 ? IPPROTO_IPV6 : IPPROTO_IP;
-  const int option = destination.v6 ? IPV6_MTU_DISCOVER : IP_MTU_DISCOVER;
-  if (setsockopt(state->fd, level, option, &discover, sizeof discover) != 0)
-    return unavailable(what, destination, errno);
+  if (auto set = set_df(state->fd, destination, what); !set) return set.error();
   return UdpSocket(std::move(state));
 }
 
-UdpSocket::Sent UdpSocket::send(std::span<const std::span<const std::uint8_t>> datagrams) {
+UdpSocket::Sent UdpSocket::send(std::span<const std::span<const std::uint8_t>> datagrams, const Endpoint* to) {
+  SocketAddress address = to != nullptr ? to_socket_address(*to) : SocketAddress{};
   Sent result;
   int refusals = 0;
   while (result.datagrams < datagrams.size()) {
@@ -184,6 +143,9 @@ UdpSocket::Sent UdpSocket::send(std::span<const std::span<const std::uint8_t>> d
       vectors[i] = {const_cast<std::uint8_t*>(datagram.data()), datagram.size()};  // sendmmsg does not write
       messages[i].msg_hdr.msg_iov = &vectors[i];
       messages[i].msg_hdr.msg_iovlen = 1;
+      if (to == nullptr) continue;
+      messages[i].msg_hdr.msg_name = &address.storage;
+      messages[i].msg_hdr.msg_namelen = address.size;
     }
     const int sent = sendmmsg(state_->fd, messages.data(), static_cast<unsigned>(count), MSG_DONTWAIT);
     if (sent > 0) {

@@ -14,12 +14,12 @@ HERE = pathlib.Path(__file__).parent
 NAN = math.nan
 
 
-def datagram(kind, body, *, flags=0, origin=0, seq=1, minor=0, extra_header=b"", key=None, key_id=0):
+def datagram(kind, body, *, flags=0, origin=0, seq=1, minor=0, extra_header=b"", key=None, key_id=0,
+             about_map=(1700000000123456789, 12345, 42, 0x0005, 3, 0xDEADBEEF)):
     header_len = 64 + len(extra_header)
     total = header_len + len(body) + (16 if key else 0)
     head = struct.pack("<4sBBBBHHIQQqIIHHIHH", b"SCRE", 1, minor, kind, flags | origin << 4 | (1 if key else 0),
-                       header_len, total, 7, 0x0123456789ABCDEF, seq, 1700000000123456789, 12345, 42, 0x0005, 3,
-                       0xDEADBEEF, key_id, 0)
+                       header_len, total, 7, 0x0123456789ABCDEF, seq, *about_map, key_id, 0)
     assert len(head) == 60
     crc = zlib.crc32(head + b"\0\0\0\0" + extra_header + body)
     data = head + struct.pack("<I", crc) + extra_header + body
@@ -27,6 +27,11 @@ def datagram(kind, body, *, flags=0, origin=0, seq=1, minor=0, extra_header=b"",
         data += hashlib.blake2b(data, key=key, digest_size=16).digest()
     assert len(data) == total <= 1200
     return data
+
+
+def request(kind, body, **fields):
+    """Of a client: its header tells of no map."""
+    return datagram(kind, body, about_map=(0,) * 6, **fields)
 
 
 def text(value):
@@ -101,6 +106,32 @@ def vectors():
     yield "pose_input", "POSE_INPUT: position (1.5, -2.25, 0.125), a quarter turn about z", datagram(
         13, struct.pack("<q3d4d6f", 1700000000000000000, 1.5, -2.25, 0.125, 0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5),
                         0.25, 0.25, 0.5, 0.0, 0.0, 0.0625))
+    key_1, key_2 = bytes(range(32)), bytes(range(255, 223, -1))
+    yield "heartbeat_mac_2", "The same with key ff fe .. e0, key_id 513 (the second key of a roll-over)", datagram(
+        4, struct.pack("<QQQQIIIIB7x", 1, 2, 3, 4, 5, 6, 7, 8, 0), key=key_2, key_id=513)
+    yield "tile_cost_raw_mac", "TILE COST, encoding 0, as long as a tile gets, with the MAC of key_id 1", datagram(
+        2, tile(0, 0, cost, bytes(cost)), key=key_1, key_id=1)
+    yield "pose", "POSE: the same pose as pose_input, 1500 us old", datagram(
+        5, struct.pack("<q3d4d6fI4x", 1700000000000000000, 1.5, -2.25, 0.125, 0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5),
+                       0.25, 0.25, 0.5, 0.0, 0.0, 0.0625, 1500))
+    yield "subscribe_first", "SUBSCRIBE: no cookie yet, layers 0, 1 and 10, everywhere, the node's pacing", request(
+        6, struct.pack("<QQiiiiIB3x", 0, 0x403, -2 ** 26, -2 ** 26, 2 ** 26 - 1, 2 ** 26 - 1, 0, 0))
+    subscribe = struct.pack("<QQiiiiIB3x", 0x1122334455667788, 0x1, -4, 5, 3, 9, 500, 2)
+    yield "subscribe", "SUBSCRIBE: layer 0, tiles (-4, 5) .. (3, 9), 500 datagrams/s, two repeats", request(6, subscribe, seq=2)
+    yield "subscribe_mac", "The same with the MAC of key_id 1", request(6, subscribe, seq=2, key=key_1, key_id=1)
+    yield "subscribe_end", "SUBSCRIBE: layer mask 0 ends the subscription", request(
+        6, struct.pack("<QQiiiiIB3x", 0x1122334455667788, 0, -2 ** 26, -2 ** 26, 2 ** 26 - 1, 2 ** 26 - 1, 0, 0), seq=3)
+    yield "cookie", "COOKIE: lease 3000 ms", datagram(7, struct.pack("<QI4x", 0x1122334455667788, 3000))
+    yield "nack", "NACK: layer 1, tiles (-4, 5), (-67108864, 67108863), (0, 0)", request(
+        8, struct.pack("<QBB6x6i", 0x1122334455667788, 1, 3, -4, 5, -2 ** 26, 2 ** 26 - 1, 0, 0), seq=4)
+    yield "nack_full", "NACK: layer 10, the 128 tiles (i, -i)", request(
+        8, struct.pack("<QBB6x", 0x1122334455667788, 10, 128) + b"".join(struct.pack("<ii", i, -i) for i in range(128)))
+    yield "ping", "PING", request(9, struct.pack("<QqQQ", 0xFEDCBA9876543210, 1700000000000000000, 0, 0), seq=5)
+    yield "pong", "PONG", datagram(
+        10, struct.pack("<QQqq", 0xFEDCBA9876543210, 1700000000000000000, 1700000000000250000, 1700000000000300000))
+    yield "pose_input_mac", "POSE_INPUT of pose_input with the MAC of key_id 1", datagram(
+        13, struct.pack("<q3d4d6f", 1700000000000000000, 1.5, -2.25, 0.125, 0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5),
+                        0.25, 0.25, 0.5, 0.0, 0.0, 0.0625), key=key_1, key_id=1)
 
 
 def write_corpus(folder):
@@ -115,7 +146,20 @@ def write_corpus(folder):
                                              "tile_elevation_upper", "manifest", "tile_cell_state", "bye"]))
 
 
+def write_requests(folder):
+    """Seeds of the fuzz target `request`: per datagram u8 command, client and time, u16 length, the body."""
+    folder.mkdir(parents=True, exist_ok=True)
+    bodies = {name: data[64:] for name, _, data in vectors() if data[6] in (6, 8, 9) and not data[7] & 1}
+    step = lambda command, name, client=1, time=10: struct.pack("<BBBH", command, client, time, len(bodies[name])) + bodies[name]
+    kinds = {"subscribe": 0, "subscribe_first": 0, "subscribe_end": 0, "nack": 1, "nack_full": 1, "ping": 2}
+    for name, kind in kinds.items():
+        (folder / name).write_bytes(step(0, "subscribe_first") + step(16, "subscribe") + step(16 | kind, name))
+    (folder / "leases").write_bytes(b"".join(step(16, "subscribe", client, 40) for client in range(6)) * 5)
+    (folder / "spoilt").write_bytes(step(128, "subscribe") + step(129, "nack") + step(3, "ping") + step(24, "subscribe"))
+
+
 for name, comment, data in vectors():
     lines = [data[i:i + 16].hex(" ") for i in range(0, len(data), 16)]
     (HERE / f"{name}.hex").write_text(f"# {comment}\n" + "\n".join(lines) + "\n")
 write_corpus(HERE.parent.parent / "tests/fuzz/corpus/datagram")
+write_requests(HERE.parent.parent / "tests/fuzz/corpus/request")

@@ -50,17 +50,19 @@ Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<dri
 
   const config::Settings& settings = run.pipeline.settings;
   const std::uint32_t hash = protocol::config_hash(config::dump_settings(settings));
-  auto publisher = Publisher::open(settings.publish, run.origin, settings.map.cell_m, hash);
+  const auto keys = make_key_ring(settings.publish.keys);
+  if (!keys) return keys.error();
+  auto inbox = Inbox::open(settings.publish.listen, settings.pose.accept_from, settings.publish.stream_id, *keys);
+  if (!inbox) return inbox.error();
+  auto publisher = Publisher::open(settings.publish, run.origin, settings.map.cell_m, hash, (*inbox)->socket());
   if (!publisher) return publisher.error();
-  auto input = PoseInput::open(settings.publish.listen, settings.pose.accept_from, settings.publish.stream_id);
-  if (!input) return input.error();
   const std::string listen_address = settings.publish.listen.substr(0, settings.publish.listen.find(':'));
-  spdlog::info("listening at {}:{}", listen_address, (*input)->port());
+  spdlog::info("listening at {}:{}", listen_address, (*inbox)->port());
 
   const std::string name = (*source)->name();
   spdlog::info("{} → {} as {}, configuration {:08x}", name, settings.publish.destination, origin_name(run.origin),
                hash);
-  auto outcome = run_to_end(std::move(run.pipeline), *std::move(source), *std::move(input), *std::move(publisher));
+  auto outcome = run_to_end(std::move(run.pipeline), *std::move(source), *std::move(inbox), *std::move(publisher));
   if (!outcome) return outcome.error();
   const std::string caption = std::string(origin_name(run.origin)) + "   " + name;
   if (auto written = write_outputs(run.output, map_output, *outcome, caption); !written) return written.error();

@@ -83,7 +83,8 @@ TEST(SettingsLoader, ReportsEveryFaultAtOnceWithItsPosition) {
   EXPECT_THAT(faults,
               HasSubstr("robot.yaml:5:3: map.size_cells: expected each key once, found it again (first in line 4)\n"));
   EXPECT_THAT(faults, HasSubstr("robot.yaml:6:1: node: expected a section of keys, found '3'\n"));
-  EXPECT_THAT(faults, HasSubstr("robot.yaml:8:11: publish.listen: expected IPv4-ADDRESS:PORT (port 0 = any free one), "
+  EXPECT_THAT(faults, HasSubstr("robot.yaml:8:11: publish.listen: expected IPv4-ADDRESS:PORT of this machine (not "
+                                "0.0.0.0; port 0 = any free one), "
                                 "found the text \"localhost\""));
   EXPECT_THAT(faults, HasSubstr("robot.yaml:10:11: pose.source: expected one of recording, static, udp, found 'gps'"));
 }

@@ -38,7 +38,8 @@ const std::map<std::string, Rule> kFolders{
       {"Eigen/", "fmt/", "CLI/", "spdlog/", "nlohmann/", "sodium.h", "zlib.h", "sys/socket.h", "netinet/",
        "arpa/inet.h", "netdb.h", "sys/random.h", "sys/timex.h", "sys/epoll.h", "sys/eventfd.h", "sys/signalfd.h",
        "poll.h"}}},
-    {"client", {{}, {}}},
+    {"client",
+     {{}, {"sys/socket.h", "netinet/in.h", "arpa/inet.h", "poll.h", "sys/random.h", "time.h"}}},
 };
 
 /// Adapter files: what each may include beyond its folder's rule.

@@ -6,6 +6,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,16 @@ using std::chrono::seconds;
 /// Hears everything.
 class Ear {
  public:
-  Ear() {
-    auto opened =
-        node::Listener::open("127.0.0.1:0", {drivers::Origin::live, drivers::Origin::replay, drivers::Origin::sim});
+  Ear() : Ear(std::nullopt) {}
+  /// What is signed with `key` alone.
+  explicit Ear(const std::optional<node::protocol::Key>& key) {
+    node::ListenerConfig config;
+    config.address = "127.0.0.1:0";
+    config.accept = {drivers::Origin::live, drivers::Origin::replay, drivers::Origin::sim};
+    if (key) {
+      EXPECT_TRUE(config.keys.add(*key));
+    }
+    auto opened = node::Listener::open(config);
     EXPECT_TRUE(opened) << (opened ? "" : opened.error().message);
     if (opened) listener_ = *std::move(opened);
   }
@@ -64,6 +72,13 @@ inline std::vector<std::string> live(const std::filesystem::path& config, const 
                                      "--set",         "publish.destination=" + ear.address()};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return command(std::move(arguments));
+}
+
+/// From the line that names the port of the kernel's choice.
+inline std::string listening_address(const std::string& log) {
+  const std::string mark = "listening at ";
+  const std::size_t begin = log.find(mark) + mark.size();
+  return log.substr(begin, log.find_first_of(",\n", begin) - begin);
 }
 
 /// How often `text` stands in `whole`.

@@ -1,10 +1,12 @@
 // Where poses come from: the recording, a static one, POSE_INPUT datagrams.
 
 #include <gmock/gmock.h>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <signal.h>
 #include <thread>
+#include <vector>
 
 #include "io/npy.hpp"
 #include "node/protocol.hpp"
@@ -21,39 +23,45 @@ using namespace node::protocol;  // the health bits
 /// Says 50 times a second, from a thread of its own, that the robot stands at (3, 0, 0.5).
 class PoseSender {
  public:
-  explicit PoseSender(const std::string& address)
-      : socket_(*node::UdpSocket::connect_to(*node::parse_endpoint(address, "test"), "test")),
+  explicit PoseSender(const std::string& address, const Key* key = nullptr)
+      : key_(key),
+        socket_(*node::UdpSocket::connect_to(*node::parse_endpoint(address, "test"), "test")),
         thread_([this](const std::stop_token& stop) {
           for (; !stop.stop_requested(); std::this_thread::sleep_for(milliseconds(20))) send();
         }) {}
+
+  /// What was sent first, as somebody on the way might keep it.
+  std::vector<Datagram> recorded() {
+    const std::lock_guard lock(mutex_);
+    return recorded_;
+  }
 
  private:
   void send() {
     node::protocol::Header header;
     header.stream_id = 1;
-    header.boot_id = 21;
+    header.boot_id = kBoot;
     header.seq = ++seq_;
     node::protocol::PoseInputMessage message;
     message.time = std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
     message.T_map_body.translation_m = {3.0, 0.0, 0.5};
     node::protocol::Datagram datagram;
-    encode(header, message, datagram);
+    encode(header, message, datagram, key_);
     if (seq_ == 5) datagram.bytes[70] ^= 1;  // one that must be refused
     const auto view = datagram.view();
     socket_.send(std::span(&view, 1));
+    const std::lock_guard lock(mutex_);
+    if (recorded_.size() < 20 && seq_ != 5) recorded_.push_back(datagram);
   }
 
+  static constexpr std::uint64_t kBoot = 21;
+  const Key* key_;
+  std::mutex mutex_;
+  std::vector<Datagram> recorded_;
   node::UdpSocket socket_;
   std::uint64_t seq_ = 0;
   std::jthread thread_;
 };
-
-/// From the line that names the port of the kernel's choice.
-std::string listening_address(const std::string& log) {
-  const std::string mark = "listening at ";
-  const std::size_t begin = log.find(mark) + mark.size();
-  return log.substr(begin, log.find('\n', begin) - begin);
-}
 
 TEST(PoseSource, UdpPosesPlaceTheFramesAndWithoutFreshOnesNothingIsMapped) {
   const TemporaryFolder folder;
@@ -71,6 +79,9 @@ TEST(PoseSource, UdpPosesPlaceTheFramesAndWithoutFreshOnesNothingIsMapped) {
   ASSERT_TRUE(ear.until_health(kHealthPoseStale, false));
   poses.reset();
   ASSERT_TRUE(ear.until_health(kHealthPoseStale, true));
+  // a frame taken before waits up to max_age for its pose, and then still takes the newest: 0.6 s after that one
+  const std::uint64_t at_first = ear->frames_in();
+  ASSERT_TRUE(ear.until([&] { return ear->frames_in() >= at_first + 8; }));
   const auto last_map = ear->last_valid_map();
   const std::uint64_t frames = ear->frames_in();
   ASSERT_TRUE(ear.until([&] { return ear->frames_in() >= frames + 3; }));
@@ -88,6 +99,58 @@ TEST(PoseSource, UdpPosesPlaceTheFramesAndWithoutFreshOnesNothingIsMapped) {
   const auto elevation = io::read_npy(folder / "map.elevation.npy");
   ASSERT_TRUE(elevation);
   EXPECT_NEAR((*elevation)(100, 100), 0.5f, 1e-3f) << "flat ground at the body's z = 0";
+}
+
+// Whoever has no key, or another one, or a recording of what was sent, moves nothing; nor does a source that stopped.
+TEST(PoseSource, ForgedReplayedAndForeignPosesAreCountedAndMapNothing) {
+  const TemporaryFolder folder;
+  const auto recording = make_depth_recording(folder / "drive", every(0.1, 5));
+  Key key{3, {}}, other{3, {}};
+  key.bytes.fill(0x55);
+  other.bytes.fill(0x66);
+  Ear ear(key);
+  Process node(
+      live(live_config(folder / "robot.yaml", recording, "pose: {source: udp, max_age_ms: 300}\n"), ear,
+           {"--set", "source.loop=true", "--set", "publish.keys=[{id: 3, hex: \"" + std::string(64, '5') + "\"}]"}));
+  ASSERT_TRUE(node.wait_for_text("listening at")) << node.err();
+  const std::string address = listening_address(node.err());
+
+  std::vector<Datagram> kept;
+  for (const Key* wrong : std::initializer_list<const Key*>{nullptr, &other}) {  // forged
+    PoseSender sender(address, wrong);
+    const std::uint64_t frames = ear->frames_in();
+    ASSERT_TRUE(ear.until([&] { return ear->frames_in() >= frames + 3; })) << node.err();
+  }
+  EXPECT_EQ(ear->map(), nullptr) << "nobody with the key said where the robot is";
+  EXPECT_NE(ear->health() & kHealthPoseStale, 0);
+  {
+    PoseSender sender(address, &key);
+    ASSERT_TRUE(ear.until([&] { return ear.measured_cells() > 1000; })) << node.err();
+    ASSERT_TRUE(ear.until([&] { return sender.recorded().size() == 20; }));
+    kept = sender.recorded();
+  }
+  ASSERT_TRUE(ear.until_health(kHealthPoseStale, true)) << "the source has stopped";
+  const std::uint64_t at_first = ear->frames_in();
+  ASSERT_TRUE(ear.until([&] { return ear->frames_in() >= at_first + 8; }));
+  const auto last_map = ear->last_valid_map();
+  auto replaying = *node::UdpSocket::connect_to(*node::parse_endpoint(address, "test"), "test");
+  for (const Datagram& datagram : kept) {
+    const auto view = datagram.view();
+    replaying.send(std::span(&view, 1));
+  }
+  const std::uint64_t frames = ear->frames_in();
+  ASSERT_TRUE(ear.until([&] { return ear->frames_in() >= frames + 5; }));
+  EXPECT_EQ(ear->last_valid_map()->revision, last_map->revision);
+  EXPECT_NE(ear->health() & kHealthPoseStale, 0) << "replayed poses are not fresh";
+
+  node.signal(SIGINT);
+  ASSERT_TRUE(ear.until_bye());
+  const auto finished = node.wait(seconds(60));
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  const json received = json::parse(finished.out)["received"];
+  EXPECT_GT(received["poses_accepted"], 0);
+  EXPECT_GE(received["poses_rejected"]["mac"], 10) << "two senders, 50 a second, for 3 frames of 0.1 s each";
+  EXPECT_GE(received["poses_rejected"]["sequence"], kept.size());
 }
 
 TEST(PoseSource, StaticPosePlacesARecordingThatHasNone) {

@@ -86,7 +86,7 @@ TEST(Run, RecordingInALoopGoesOnUntilSigterm) {
 TEST(Run, SensorThatStallsIsStaleThenLostThenWellAgain) {
   const TemporaryFolder folder;
   auto times_s = every(0.05, 10);
-  const auto later = every(0.05, 20, 2.0);  // 1.5 s of silence
+  const auto later = every(0.05, 80, 2.0);  // 1.5 s of silence, then four times what clears the bits
   times_s.insert(times_s.end(), later.begin(), later.end());
   const auto recording = make_depth_recording(folder / "drive", times_s);
   Ear ear;

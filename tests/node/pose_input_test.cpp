@@ -3,7 +3,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <vector>
 
+#include "node/inbox.hpp"
 #include "tests/node/golden.hpp"
 
 namespace scree::node {
@@ -20,17 +22,19 @@ struct PoseSource {
   protocol::Header header;
   std::uint64_t next_seq = 1;
   protocol::PoseInputMessage message;
+  protocol::Datagram last;
+  const protocol::Key* key = nullptr;
 
   PoseSource() {
     header.stream_id = 7;
     header.boot_id = 21;
   }
   bool send(Duration since_start, double x_m = 0.0) {
-    protocol::Datagram datagram;
+    protocol::Datagram& datagram = last;
     header.seq = next_seq++;
     message.time = kStart + since_start;
     message.T_map_body.translation_m.x() = x_m;
-    protocol::encode(header, message, datagram);
+    protocol::encode(header, message, datagram, key);
     return receiver.accept(datagram.view(), from, kStart + 10s);
   }
   std::uint64_t rejected(Reject reason) const {
@@ -106,17 +110,54 @@ TEST(PoseInput, SequenceAndTimeOnlyGoUp) {
   EXPECT_EQ(source.receiver.counters().rejected, 4u);
 }
 
-TEST(PoseInput, RestartedSourceBeginsANewHistory) {
+TEST(PoseInput, RestartedSourceBeginsANewHistoryButTimeGoesOn) {
   PoseSource source;
   EXPECT_TRUE(source.send(5s));
   source.header.boot_id = 22;
   source.next_seq = 1;
-  EXPECT_TRUE(source.send(1s));
+  EXPECT_FALSE(source.send(4s)) << "recorded before the restart";
+  EXPECT_EQ(source.receiver.counters().not_later, 1u);
+  EXPECT_TRUE(source.send(5s + 1ms));
   EXPECT_EQ(source.receiver.history().size(), 1u);
   source.header.boot_id = 21;
   source.next_seq = 100;
   EXPECT_FALSE(source.send(6s));
   EXPECT_EQ(source.rejected(Reject::old_boot), 1u);
+}
+
+// More boots than are remembered: the first one's datagrams have a boot_id that is not known any more.
+TEST(PoseInput, ReplayedSessionOfAForgottenBootIsRefusedByItsTime) {
+  PoseSource source;
+  std::vector<protocol::Datagram> recorded;
+  for (std::uint64_t boot = 1; boot <= 20; ++boot) {
+    source.header.boot_id = boot;
+    source.next_seq = 1;
+    ASSERT_TRUE(source.send(static_cast<int>(boot) * 100ms));
+    recorded.push_back(source.last);
+  }
+  for (const auto& datagram : recorded)
+    EXPECT_FALSE(source.receiver.accept(datagram.view(), source.from, kStart + 10s));
+  EXPECT_EQ(source.receiver.counters().accepted, 20u);
+  EXPECT_EQ(source.receiver.history().newest()->time, kStart + 2s);
+
+  PoseSource restarted_node;  // remembers nothing, but knows what time it is
+  EXPECT_FALSE(restarted_node.receiver.accept(recorded[0].view(), source.from, kStart + 10s + 101ms));
+  EXPECT_EQ(restarted_node.receiver.counters().in_past, 1u);
+}
+
+TEST(PoseInput, WithAKeyOnlyItsMacIsTrusted) {
+  protocol::KeyRing keys;
+  ASSERT_TRUE(keys.add({1, {0x11}}));
+  PoseSource source;
+  source.receiver = PoseReceiver(*parse_address("127.0.0.1", "test"), 7, keys);
+  EXPECT_FALSE(source.send(1s));  // unsigned
+  const protocol::Key wrong{1, {0x22}};
+  source.key = &wrong;
+  EXPECT_FALSE(source.send(2s));
+  EXPECT_EQ(source.rejected(Reject::mac), 2u);
+  source.key = keys.signer();
+  EXPECT_TRUE(source.send(3s));
+  EXPECT_EQ(source.receiver.history().size(), 1u);
 }
 
 TEST(PoseInput, RefusedDatagramOfAnotherBootLeavesTheGoodSourceAlone) {
@@ -165,26 +206,39 @@ TEST(PoseInput, RefusesOtherStreamsTypesAndMac) {
   EXPECT_EQ(source.rejected(Reject::mac), 1u);
 }
 
-TEST(PoseInput, ReceivesOverLoopbackOnAPortOfTheKernelsChoice) {
-  const auto input = PoseInput::open("127.0.0.1:0", "", 7);
-  ASSERT_TRUE(input) << input.error().message;
-  ASSERT_NE((*input)->port(), 0);
-  const std::string address = "127.0.0.1:" + std::to_string((*input)->port());
+TEST(Inbox, ReceivesPosesOverLoopbackOnAPortOfTheKernelsChoice) {
+  const auto inbox = Inbox::open("127.0.0.1:0", "", 7);
+  ASSERT_TRUE(inbox) << inbox.error().message;
+  ASSERT_NE((*inbox)->port(), 0);
+  const std::string address = "127.0.0.1:" + std::to_string((*inbox)->port());
   auto sender = UdpSocket::connect_to(*parse_endpoint(address, "test"), "test");
   ASSERT_TRUE(sender);
-  const auto bytes = test::golden("pose_input");
-  const std::span<const std::uint8_t> view(bytes);
+  protocol::Header header;
+  header.stream_id = 7;
+  header.boot_id = header.seq = 1;
+  protocol::PoseInputMessage message;
+  message.time = std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
+  message.T_map_body.translation_m = {1.5, -2.25, 0.125};
+  protocol::Datagram datagram;
+  encode(header, message, datagram);
+  const auto view = datagram.view();
   sender->send(std::span(&view, 1));
-  const auto taken = (*input)->poll(2s);
-  ASSERT_TRUE(taken);
-  EXPECT_TRUE(*taken);
-  EXPECT_EQ((*input)->newest()->T_map_body.translation_m, Eigen::Vector3d(1.5, -2.25, 0.125));
-  EXPECT_TRUE((*input)->at(kStart));
+  RequestQueue queue;
+  ASSERT_TRUE((*inbox)->poll(2s, queue));
+  PoseInput& poses = (*inbox)->poses();
+  ASSERT_TRUE(poses.newest());
+  EXPECT_EQ(poses.newest()->T_map_body.translation_m, message.T_map_body.translation_m);
+  EXPECT_TRUE(poses.at(message.time));
+  EXPECT_TRUE(poses.wait_for(message.time, 0ms, {}));
+  EXPECT_FALSE(poses.wait_for(message.time + 1ns, 0ms, {}));
+  EXPECT_TRUE(queue.empty());
 
-  const auto second = PoseInput::open(address, "", 7);
+  const auto second = Inbox::open(address, "", 7);
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().kind, ErrorKind::unavailable);
   EXPECT_EQ(second.error().message, "publish.listen " + address + ": expected a free UDP port, found it in use");
+  for (const char* refused : {"0.0.0.0:0", "239.1.2.3:47801"})
+    EXPECT_EQ(Inbox::open(refused, "", 7).error().kind, ErrorKind::usage) << refused;
 }
 
 }  // namespace

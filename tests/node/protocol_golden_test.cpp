@@ -189,6 +189,12 @@ TEST(GoldenVectors, ReaderSkipsWhatALaterMinorVersionAdds) {
   EXPECT_EQ(decoded<Heartbeat>(golden("heartbeat_minor_1"), header), expected);
 }
 
+Key golden_key(std::uint16_t id) {
+  Key key{id, {}};
+  for (std::size_t i = 0; i < kKeyBytes; ++i) key.bytes[i] = static_cast<std::uint8_t>(id == 1 ? i : 255 - i);
+  return key;
+}
+
 TEST(GoldenVectors, MacIsRefusedByAReaderWithoutKey) {
   const auto bytes = golden("heartbeat_mac");
   Opened opened;
@@ -216,6 +222,112 @@ TEST(GoldenVectors, PoseInput) {
   EXPECT_TRUE(back.T_map_body.rotation.isApprox(message.T_map_body.rotation, 1e-15));
   EXPECT_EQ(back.variances, message.variances);
   expect_encodes_to(header, message, golden("pose_input"));
+}
+
+/// Decodes with the key of `id`, and encodes with it to the same bytes.
+template <class Message>
+Message signed_both_ways(const char* name, Header header, std::uint16_t id) {
+  const auto bytes = golden(name);
+  KeyRing keys;
+  EXPECT_TRUE(keys.add(golden_key(id)));
+  Opened opened;
+  EXPECT_EQ(open_datagram(bytes, opened, keys), Reject::none) << name;
+  header.flags |= kFlagMac;
+  header.key_id = id;
+  EXPECT_EQ(opened.header, header) << name;
+  Message message;
+  EXPECT_EQ(decode(opened, message), Reject::none) << name;
+  Datagram datagram;
+  encode(header, message, datagram, keys.signer());
+  EXPECT_EQ(std::vector<std::uint8_t>(datagram.view().begin(), datagram.view().end()), bytes) << name;
+  return message;
+}
+
+Header golden_request(MessageType type, std::uint64_t seq = 1) {
+  Header header;
+  header.type = type;
+  header.stream_id = 7;
+  header.boot_id = 0x0123456789ABCDEF;
+  header.seq = seq;
+  return header;
+}
+
+TEST(GoldenVectors, MacsOfBothKeysAreThoseOfPython) {
+  const Heartbeat heartbeat{1, 2, 3, 4, 5, 6, 7, 8, 0, {}};
+  const Header header = golden_header(MessageType::heartbeat);
+  EXPECT_EQ(signed_both_ways<Heartbeat>("heartbeat_mac", header, 1), heartbeat);
+  EXPECT_EQ(signed_both_ways<Heartbeat>("heartbeat_mac_2", header, 513), heartbeat);
+  const auto tile = signed_both_ways<TileBlock>("tile_cost_raw_mac", golden_header(MessageType::tile), 1);
+  EXPECT_EQ(tile.raw[1], 10);
+  const auto pose = signed_both_ways<PoseInputMessage>("pose_input_mac", golden_header(MessageType::pose_input), 1);
+  EXPECT_EQ(pose.T_map_body.translation_m.y(), -2.25);
+}
+
+TEST(GoldenVectors, Pose) {
+  const Header header = golden_header(MessageType::pose);
+  const auto back = decoded<PoseMessage>(golden("pose"), header);
+  EXPECT_EQ(back.time, Time(Duration(1700000000000000000)));
+  EXPECT_EQ(back.T_map_body.translation_m, Eigen::Vector3d(1.5, -2.25, 0.125));
+  EXPECT_EQ(back.variances, (std::array{0.25f, 0.25f, 0.5f, 0.0f, 0.0f, 0.0625f}));
+  EXPECT_EQ(back.age_us, 1500u);
+  PoseMessage message = back;
+  message.T_map_body.rotation = Eigen::Quaterniond(std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5));
+  EXPECT_TRUE(back.T_map_body.rotation.isApprox(message.T_map_body.rotation, 1e-15));
+  expect_encodes_to(header, message, golden("pose"));
+}
+
+constexpr std::uint64_t kCookieValue = 0x1122334455667788;
+
+TEST(GoldenVectors, Subscribe) {
+  const Header first = golden_request(MessageType::subscribe);
+  const Subscribe everything{0, 0x403, {}, 0, 0};
+  EXPECT_EQ(decoded<Subscribe>(golden("subscribe_first"), first), everything);
+  expect_encodes_to(first, everything, golden("subscribe_first"));
+
+  const Header second = golden_request(MessageType::subscribe, 2);
+  const Subscribe region{kCookieValue, 1, {-4, 5, 3, 9}, 500, 2};
+  EXPECT_EQ(decoded<Subscribe>(golden("subscribe"), second), region);
+  expect_encodes_to(second, region, golden("subscribe"));
+  EXPECT_EQ(signed_both_ways<Subscribe>("subscribe_mac", second, 1), region);
+
+  const Header third = golden_request(MessageType::subscribe, 3);
+  const Subscribe end{kCookieValue, 0, {}, 0, 0};
+  EXPECT_EQ(decoded<Subscribe>(golden("subscribe_end"), third), end);
+  expect_encodes_to(third, end, golden("subscribe_end"));
+}
+
+TEST(GoldenVectors, CookieOfASubscriber) {
+  const Header header = golden_header(MessageType::cookie);
+  const Cookie cookie{kCookieValue, 3000};
+  EXPECT_EQ(decoded<Cookie>(golden("cookie"), header), cookie);
+  expect_encodes_to(header, cookie, golden("cookie"));
+}
+
+TEST(GoldenVectors, NackOfThreeTilesAndOfAsManyAsFit) {
+  const Header header = golden_request(MessageType::nack, 4);
+  Nack nack{kCookieValue, Layer::elevation, 3, {}};
+  nack.tiles[0] = {-4, 5};
+  nack.tiles[1] = {-(1 << 26), (1 << 26) - 1};
+  const auto back = decoded<Nack>(golden("nack"), header);
+  EXPECT_EQ(back.cookie, nack.cookie);
+  EXPECT_EQ(back.layer, nack.layer);
+  EXPECT_EQ(back.count, nack.count);
+  EXPECT_EQ(back.tiles, nack.tiles);
+  expect_encodes_to(header, nack, golden("nack"));
+
+  Nack full{kCookieValue, Layer::cell_state, 128, {}};
+  for (int i = 0; i < 128; ++i) full.tiles[static_cast<std::size_t>(i)] = {i, -i};
+  EXPECT_EQ(decoded<Nack>(golden("nack_full"), golden_request(MessageType::nack)).tiles, full.tiles);
+  expect_encodes_to(golden_request(MessageType::nack), full, golden("nack_full"));
+}
+
+TEST(GoldenVectors, PingAndPong) {
+  const Ping ping{0xFEDCBA9876543210, 1700000000000000000};
+  EXPECT_EQ(decoded<Ping>(golden("ping"), golden_request(MessageType::ping, 5)), ping);
+  expect_encodes_to(golden_request(MessageType::ping, 5), ping, golden("ping"));
+  const Pong pong{0xFEDCBA9876543210, 1700000000000000000, 1700000000000250000, 1700000000000300000};
+  EXPECT_EQ(decoded<Pong>(golden("pong"), golden_header(MessageType::pong)), pong);
+  expect_encodes_to(golden_header(MessageType::pong), pong, golden("pong"));
 }
 
 }  // namespace

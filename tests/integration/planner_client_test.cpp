@@ -1,0 +1,206 @@
+// The C++ client against the real node over real sockets: subscription, a bad network between, black-out, kill -9.
+// Readings are asked for at the limit's own time (a reading judges freshness when it is made), so a slow machine cannot
+// make these tests fail, only take longer.
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/scree_client.hpp"
+#include "tests/integration/hand_made.hpp"
+#include "tests/integration/scree.hpp"
+#include "tests/support/udp_relay.hpp"
+
+namespace scree::test {
+namespace {
+
+using client::Clock;
+using client::State;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// `scree run` on a recording of flat ground in a loop; it listening at at a port that it prints.
+class Node {
+ public:
+  explicit Node(std::vector<std::string> more = {}) {
+    const auto recording = make_depth_recording(folder_ / "drive", every(0.1, 20), 0.2);
+    std::vector<std::string> words{"run",
+                                   "--config",
+                                   live_config(folder_ / "robot.yaml", recording).string(),
+                                   "--set",
+                                   "publish.listen=127.0.0.1:0",
+                                   "--set",
+                                   "source.loop=true"};
+    words.insert(words.end(), more.begin(), more.end());
+    words_ = command(words);
+    start();
+  }
+  void start() { process_.emplace(words_); }
+  Process& process() { return *process_; }
+  /// "127.0.0.1:40123", from the log.
+  std::string listen_address() {
+    EXPECT_TRUE(process_->wait_for_text("listening at")) << process_->err();
+    const std::string log = process_->err();
+    const std::size_t at = log.find("127.0.0.1:", log.find("listening at"));
+    return log.substr(at, log.find_first_not_of("0123456789.:", at) - at);
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::vector<std::string> words_;
+  std::optional<Process> process_;
+};
+
+/// A client that takes what the node's recording says it is.
+class Planner {
+ public:
+  explicit Planner(const std::string& node = {}, const client::Key& key = {}) {
+    client::Config config;
+    config.bind = "127.0.0.1:0";
+    config.accept_origins = client::origin_bit(client::Origin::replay);
+    if (!node.empty()) config.node = node.c_str();
+    config.keys[0] = key;
+    EXPECT_TRUE(map.open(config)) << map.error();
+  }
+  std::string address() const { return "127.0.0.1:" + std::to_string(map.port()); }
+  std::size_t known(client::Time now = Clock::now()) const {
+    cells_.resize(map.grid().cells());
+    if (!map.copy_cost(cells_.data(), cells_.size(), now)) return 0;
+    return cells_.size() - static_cast<std::size_t>(std::count(cells_.begin(), cells_.end(), client::kCostUnknown));
+  }
+  bool until(const std::function<bool()>& reached, milliseconds limit = seconds(120)) {
+    const auto deadline = Clock::now() + limit;
+    while (!reached()) {
+      if (Clock::now() > deadline) return false;
+      map.wait(milliseconds(5));
+      map.poll();
+    }
+    return true;
+  }
+  bool until_known() {
+    return until([&] { return map.fresh() && known() > 500; });
+  }
+
+  client::Client map;
+
+ private:
+  mutable std::vector<std::uint8_t> cells_;
+};
+
+std::string destination(const std::string& address) {
+  return "publish.destination=" + address;
+}
+
+sockaddr_in loopback(const std::string& port = "0") {
+  return *parse_ipv4("127.0.0.1:" + port);
+}
+
+TEST(PlannerClient, SubscribesNacksPingsAndReadsTheNodesMap) {
+  Node node({"--set", destination("127.0.0.1:9")});
+  Planner planner(node.listen_address());
+  ASSERT_TRUE(planner.until_known()) << node.process().err();
+  ASSERT_TRUE(planner.until([&] { return planner.map.clock_offset().known; }));
+  EXPECT_EQ(planner.map.origin(), client::Origin::replay);
+  EXPECT_LT(std::abs(planner.map.clock_offset().offset_ns), planner.map.clock_offset().round_trip_ns + 1'000'000)
+      << "both read one clock";
+  // the camera looks at flat ground at z = 0 from x = 0 on
+  const auto elevation_m = [&] { return planner.map.value(client::Layer::elevation, 0.55, 0.05); };
+  ASSERT_TRUE(planner.until([&] {
+    return planner.map.cell_state(0.55, 0.05) == client::CellState::measured && !std::isnan(elevation_m()) &&
+           planner.map.cost(0.55, 0.05) != client::kCostUnknown;
+  })) << planner.known();
+  EXPECT_NEAR(elevation_m(), 0.0F, 0.05F);
+  EXPECT_LE(planner.map.cost(0.55, 0.05), 252);
+  EXPECT_STREQ(planner.map.announce()->frame_name, "map");
+  client::Pose pose;
+  EXPECT_TRUE(planner.map.pose(pose));
+  planner.map.close();
+  EXPECT_EQ(planner.map.counters()[client::Verdict::body_value] + planner.map.counters()[client::Verdict::body_length] +
+                planner.map.counters()[client::Verdict::type] + planner.map.counters()[client::Verdict::layer],
+            0U);
+}
+
+TEST(PlannerClient, WithKeysBothWaysAreSigned) {
+  const std::string hex(64, 'b');
+  Node node({"--set", destination("127.0.0.1:9"), "--set", "publish.keys=[{id: 5, hex: " + hex + "}]"});
+  client::Key key{5, {}};
+  key.bytes.fill(0xBB);
+  const std::string address = node.listen_address();
+  Planner planner(address, key), stranger(address);
+  ASSERT_TRUE(planner.until_known()) << node.process().err();
+  EXPECT_EQ(planner.map.counters()[client::Verdict::mac], 0U);
+  stranger.map.poll();
+  EXPECT_EQ(stranger.map.state(), State::waiting) << "an unsigned SUBSCRIBE is not listened to";
+}
+
+// 30 % loss, 5 % reordering, 5 ms round trip: the planner's map becomes the one that a client beside the relay has.
+TEST(PlannerClient, BehindABadNetworkHasTheMapOfOneThatHearsDirectly) {
+  Node node({"--set", destination("127.0.0.1:9"), "--set", "source.loop=false"});
+  const std::string address = node.listen_address();
+  UdpRelaySettings settings;
+  settings.near = settings.far = loopback();
+  settings.node = *parse_ipv4(address);
+  settings.down = {.loss = 0.3, .reorder = 0.05, .delay = std::chrono::microseconds(2500)};
+  settings.up = settings.down;
+  const auto relay = UdpRelay::open(settings);
+  ASSERT_NE(relay, nullptr);
+  relay->start();
+  Planner direct(address), far("127.0.0.1:" + std::to_string(relay->near_port()));
+  std::size_t equal_looks = 0;
+  const auto same = [&] {
+    direct.map.poll();
+    far.map.poll();
+    if (direct.map.grid().cells() == 0 || far.map.grid().cells() == 0) return false;
+    std::vector<std::uint8_t> a(direct.map.grid().cells()), b(far.map.grid().cells());
+    const auto now = Clock::now();
+    (void)direct.map.copy_cost(a.data(), a.size(), now);
+    (void)far.map.copy_cost(b.data(), b.size(), now);
+    if (direct.known(now) > 500 && a == b) ++equal_looks;
+    return equal_looks > 3 && far.map.counters().nacks_sent > 0;
+  };
+  EXPECT_TRUE(far.until(same)) << node.process().err();
+  EXPECT_GT(relay->down().lost, 10U);
+}
+
+TEST(PlannerClient, BlackOutMakesEveryCellUnknownWithin1050Ms) {
+  UdpRelaySettings settings;
+  settings.near = settings.far = loopback();
+  Planner planner;
+  settings.client = *parse_ipv4(planner.address());
+  settings.down.delay = milliseconds(2);
+  const auto relay = UdpRelay::open(settings);
+  ASSERT_NE(relay, nullptr);
+  relay->start();
+  Node node({"--set", destination("127.0.0.1:" + std::to_string(relay->far_port()))});
+  ASSERT_TRUE(planner.until_known()) << node.process().err();
+  relay->set_black_out(true);
+  const auto dark = Clock::now() + milliseconds(20);  // the relay looks at its switch every 20 ms
+  ASSERT_TRUE(planner.until([&] { return Clock::now() > dark + milliseconds(1050); }));
+  EXPECT_EQ(planner.map.state(dark + milliseconds(1050)), State::lost);
+  EXPECT_EQ(planner.known(dark + milliseconds(1050)), 0U);
+  relay->set_black_out(false);
+  EXPECT_TRUE(planner.until_known()) << "the map comes back with the refresh";
+}
+
+TEST(PlannerClient, KilledNodeIsLostWithinASecondAndItsCellsDoNotComeBack) {
+  Planner planner;
+  Node node({"--set", destination(planner.address())});
+  ASSERT_TRUE(planner.until_known()) << node.process().err();
+  const std::uint64_t boot = planner.map.boot_id();
+  node.process().signal(SIGKILL);
+  (void)node.process().wait();
+  const auto dead = Clock::now();
+  planner.map.poll();
+  EXPECT_EQ(planner.map.state(dead + seconds(1)), State::lost);
+  EXPECT_EQ(planner.known(dead + seconds(1)), 0U);
+  node.start();
+  // the first datagram of the new sender takes every cell of the old one away
+  ASSERT_TRUE(planner.until([&] { return planner.map.boot_id() != boot; })) << node.process().err();
+  const std::uint64_t taken = planner.map.counters().tiles;
+  EXPECT_TRUE(planner.until([&] { return planner.known() > 0; }));
+  EXPECT_GT(planner.map.counters().tiles, taken == 0 ? 0 : taken - 1);
+  EXPECT_EQ(planner.map.counters().boots, 2U);
+  EXPECT_TRUE(planner.until_known());
+}
+
+}  // namespace
+}  // namespace scree::test
