@@ -35,6 +35,7 @@ const cv::Scalar kInk(40, 40, 40);
 const cv::Scalar kPaper(255, 255, 255);
 const cv::Scalar kUnknown(236, 236, 236);
 const cv::Scalar kHatch(206, 206, 206);
+const cv::Scalar kRed(40, 40, 220);
 
 /// A 256-entry table of blue, green, red.
 cv::Mat colours(ColourMap map) {
@@ -169,8 +170,22 @@ void draw_robot(cv::Mat& canvas, const View& view, const RobotMark& robot) {
   cv::polylines(canvas, shape, true, kInk, 2 * kFine, cv::LINE_AA);
 }
 
+/// Red on white, so that it shows on every colour of the scales.
+void draw_path(cv::Mat& canvas, const View& view, const PicturePath& path) {
+  std::vector<cv::Point> points;
+  for (const auto& [x_m, y_m] : path.points_m) points.emplace_back(view.x_px(x_m), view.y_px(y_m));
+  if (points.empty()) return;
+  cv::Mat clipped = canvas(view.box);
+  for (cv::Point& point : points) point -= view.box.tl();
+  cv::polylines(clipped, points, false, kPaper, 5 * kFine, cv::LINE_AA);
+  cv::polylines(clipped, points, false, kRed, 2 * kFine, cv::LINE_AA);
+  cv::circle(clipped, points.front(), 5 * kFine, kPaper, cv::FILLED, cv::LINE_AA);
+  cv::circle(clipped, points.front(), 5 * kFine, kRed, 2 * kFine, cv::LINE_AA);
+  cv::circle(clipped, points.back(), 5 * kFine, kRed, cv::FILLED, cv::LINE_AA);
+}
+
 void draw_panel(cv::Mat& canvas, const View& view, const PicturePanel& panel, const Grid<float>& values,
-                const std::optional<RobotMark>& robot) {
+                const std::optional<RobotMark>& robot, const std::vector<PicturePath>& paths) {
   const auto limits = value_limits(values);
   const double min = panel.scale.min.value_or(limits.first);
   const double max = std::max(panel.scale.max.value_or(limits.second), min + 1e-9);
@@ -178,13 +193,14 @@ void draw_panel(cv::Mat& canvas, const View& view, const PicturePanel& panel, co
   draw_axes(canvas, view);
   draw_colour_bar(canvas, view, panel.scale, min, max);
   draw_scale_bar(canvas, view);
+  for (const PicturePath& path : paths) draw_path(canvas, view, path);
   if (robot) draw_robot(canvas, view, *robot);
   write(canvas, ascii_text(panel.title), {view.box.x + view.box.width / 2, view.box.y - 24 * kFine}, Align::centre,
         kTitleScale);
 }
 
 cv::Mat draw(const std::vector<PicturePanel>& panels, const PictureFrame& frame, const std::optional<RobotMark>& robot,
-             const std::string& caption) {
+             const std::string& caption, const std::vector<PicturePath>& paths) {
   std::vector<const Grid<float>*> grids;
   for (const auto& panel : panels) grids.push_back(&panel.values);
   const CellBlock block = known_block(grids);
@@ -202,7 +218,7 @@ cv::Mat draw(const std::vector<PicturePanel>& panels, const PictureFrame& frame,
                     frame.cell_m,
                     block.rows,
                     block.columns};
-    draw_panel(canvas, view, panels[i], cut(panels[i].values, block), robot);
+    draw_panel(canvas, view, panels[i], cut(panels[i].values, block), robot, paths);
   }
   write(canvas, ascii_text(caption), {kLeft, canvas.rows - 14 * kFine}, Align::left, kTextScale);
   cv::Mat picture;
@@ -217,7 +233,8 @@ bool picture_support() {
 }
 
 Status write_map_picture(const std::filesystem::path& file, const std::vector<PicturePanel>& panels,
-                         const PictureFrame& frame, const std::optional<RobotMark>& robot, const std::string& caption) {
+                         const PictureFrame& frame, const std::optional<RobotMark>& robot, const std::string& caption,
+                         const std::vector<PicturePath>& paths) {
   for (const auto& panel : panels) {
     const bool same =
         panel.values.rows() == panels[0].values.rows() && panel.values.columns() == panels[0].values.columns();
@@ -227,7 +244,7 @@ Status write_map_picture(const std::filesystem::path& file, const std::vector<Pi
                                                  panels[0].values.rows(), panels[0].values.columns())};
   }
   if (panels.empty()) return Error{ErrorKind::usage, fmt::format("{}: expected a panel, found none", file.string())};
-  return write_painting(file, [&] { return draw(panels, frame, robot, caption); });
+  return write_painting(file, [&] { return draw(panels, frame, robot, caption, paths); });
 }
 
 }  // namespace scree::io
@@ -241,7 +258,7 @@ bool picture_support() {
 }
 
 Status write_map_picture(const std::filesystem::path& file, const std::vector<PicturePanel>&, const PictureFrame&,
-                         const std::optional<RobotMark>&, const std::string&) {
+                         const std::optional<RobotMark>&, const std::string&, const std::vector<PicturePath>&) {
   return Error{ErrorKind::unavailable, fmt::format("{}: this build cannot write pictures", file.string())};
 }
 

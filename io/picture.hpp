@@ -2,6 +2,7 @@
 // Pictures of maps: panels side by side with axes in metres, colour bars, a scale bar and the robot. PNG, through
 // OpenCV.
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -47,10 +48,16 @@ struct RobotMark {
   double heading_rad = 0.0;  ///< counter-clockwise from x
 };
 
-/// Panels of the same shape side by side, north (+y) up, `caption` below. Errors: cannot_create, usage (no panel or
-/// panels of different shapes), unavailable.
+/// A way over the ground, drawn with its beginning as a ring and its end as a disc.
+struct PicturePath {
+  std::vector<std::array<double, 2>> points_m;  ///< x, y
+};
+
+/// Panels of the same shape side by side, north (+y) up, `caption` below, the robot and every path on each panel.
+/// Errors: cannot_create, usage (no panel or panels of different shapes), unavailable.
 Status write_map_picture(const std::filesystem::path& file, const std::vector<PicturePanel>& panels,
-                         const PictureFrame& frame, const std::optional<RobotMark>& robot, const std::string& caption);
+                         const PictureFrame& frame, const std::optional<RobotMark>& robot, const std::string& caption,
+                         const std::vector<PicturePath>& paths = {});
 
 /// One panel.
 Status write_layer_picture(const std::filesystem::path& file, const PicturePanel& panel, const PictureFrame& frame);

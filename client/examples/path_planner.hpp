@@ -47,6 +47,31 @@ struct CostGrid {
   }
 };
 
+/// The cells of `window`, whose corner lies on the lattice of cells, in a grid that holds the box of `a` and `b` with
+/// `margin_m` around it; what the window does not hold is unknown. `out` keeps its memory.
+inline void cut_to_box(const CostGrid& window, const Point& a, const Point& b, double margin_m, CostGrid& out) {
+  const double cell_m = window.cell_m;
+  const auto lower = [&](double p, double q) {
+    return static_cast<int>(std::floor((std::min(p, q) - margin_m) / cell_m));
+  };
+  const auto upper = [&](double p, double q) {
+    return static_cast<int>(std::ceil((std::max(p, q) + margin_m) / cell_m));
+  };
+  const int left = lower(a.x_m, b.x_m), bottom = lower(a.y_m, b.y_m);
+  out.cell_m = cell_m;
+  out.x_min_m = left * cell_m;
+  out.y_min_m = bottom * cell_m;
+  out.columns = upper(a.x_m, b.x_m) - left;
+  out.rows = upper(a.y_m, b.y_m) - bottom;
+  out.cost.assign(static_cast<std::size_t>(out.columns) * static_cast<std::size_t>(out.rows), kUnknown);
+  const int right_by = static_cast<int>(std::lround(window.x_min_m / cell_m)) - left;
+  const int up_by = static_cast<int>(std::lround(window.y_min_m / cell_m)) - bottom;
+  for (int row = 0; row < window.rows; ++row)
+    for (int column = 0; column < window.columns; ++column)
+      if (out.contains(column + right_by, row + up_by))
+        out.cost[out.index(column + right_by, row + up_by)] = window.cost[window.index(column, row)];
+}
+
 struct PlanRules {
   /// A metre over cost c counts as 1 + cost_weight * c / 252 metres.
   double cost_weight = 6.0;

@@ -34,10 +34,12 @@ const std::map<std::string, Rule> kFolders{
      {{"core", "drivers", "drivers/frame", "mapping", "fractal", "fractal/reconstruction", "config"},
       {"Eigen/", "fmt/"}}},
     {"node",
-     {{"core", "io", "drivers", "drivers/frame", "fractal", "fractal/reconstruction", "mapping", "config", "node"},
+     {{"core", "io", "drivers", "drivers/frame", "fractal", "fractal/reconstruction", "mapping", "config", "node",
+       "client", "client/examples"},
       {"Eigen/", "fmt/", "CLI/", "spdlog/", "nlohmann/", "sodium.h", "zlib.h", "sys/socket.h", "netinet/",
        "arpa/inet.h", "netdb.h", "sys/random.h", "sys/timex.h", "sys/epoll.h", "sys/eventfd.h", "sys/signalfd.h",
        "poll.h"}}},
+    {"client/examples", {{"client", "client/examples"}, {}}},
     {"client",
      {{}, {"sys/socket.h", "netinet/in.h", "arpa/inet.h", "poll.h", "sys/random.h", "time.h"}}},
 };
