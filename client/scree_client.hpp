@@ -1098,7 +1098,7 @@ class Receiver {
 
   Config config_;
   detail::TileStore store_;
-  bool opened_ = false, any_stream_ = false;
+  bool opened_ = false, subscribes_ = false, any_stream_ = false;
   std::uint32_t stream_id_ = 0;
 
   // of the present sender
@@ -1137,6 +1137,8 @@ class Receiver {
 inline bool Receiver::open(const Config& config, Time now) {
   if (opened_) return fail("open", "one successful call an object", "a second one");
   config_ = config;
+  config_.bind = config_.multicast = config_.node = nullptr;  // they are the caller's
+  subscribes_ = config.node != nullptr;
   char number[32];
   const auto text = [&](long long value) { return std::snprintf(number, sizeof number, "%lld", value), number; };
   constexpr std::uint32_t kAllLayers = (1U << kLayers) - 1;
@@ -1628,7 +1630,7 @@ inline std::size_t Receiver::seal_request(std::uint8_t (&out)[detail::kMaxDatagr
 }
 
 inline std::size_t Receiver::next_request(std::uint8_t (&out)[detail::kMaxDatagramBytes], Time now) {
-  if (config_.node == nullptr) return 0;
+  if (!subscribes_) return 0;
   if (now >= next_subscribe_) {
     last_subscribe_ = now;
     next_subscribe_ = now + detail::kSubscribeEvery;
@@ -1644,7 +1646,7 @@ inline std::size_t Receiver::next_request(std::uint8_t (&out)[detail::kMaxDatagr
 }
 
 inline std::size_t Receiver::end_request(std::uint8_t (&out)[detail::kMaxDatagramBytes]) {
-  if (config_.node == nullptr || cookie_ == 0) return 0;
+  if (!subscribes_ || cookie_ == 0) return 0;
   ++counters_.subscribes_sent;
   return write_subscribe(out, 0);
 }

@@ -51,7 +51,7 @@ TEST_P(BadNetworks, ThirtyPercentLossWithNackIsCurrentWithinASecond) {
   auto simulation = settings(true, 1200, 300);
   simulation.down.loss = simulation.up.loss = 0.3;
   const auto result = run(simulation, {.subscribe = true, .repeats = 1, .key = {}});
-  EXPECT_GE(result.changes, 2'500U);
+  EXPECT_GE(result.changes, 2'400U);
   EXPECT_GE(result.share_current(), 0.999);
   EXPECT_EQ(result.judgement.wrong, 0U) << result.judgement.first_wrong;
   EXPECT_GT(result.judgement.known, result.judgement.unknown);
@@ -63,7 +63,7 @@ TEST_P(BadNetworks, BurstsOfFiveWithNackAreCurrentWithinASecond) {
   auto simulation = settings(true, 1200, 300);
   simulation.down.burst_loss = simulation.up.burst_loss = 0.1;
   const auto result = run(simulation, {.subscribe = true, .repeats = 1, .key = {}});
-  EXPECT_GE(result.changes, 2'500U);
+  EXPECT_GE(result.changes, 2'400U);
   EXPECT_GE(result.share_current(), 0.999);
   EXPECT_EQ(result.judgement.wrong, 0U) << result.judgement.first_wrong;
   EXPECT_LE(result.judgement.revisions_behind, 5U + 15U);
@@ -87,7 +87,7 @@ TEST_P(BadNetworks, ThirtyPercentLossOneWayIsCurrentWithinSixRefreshes) {
   simulation.down.loss = 0.3;
   simulation.limit = seconds(6);
   const auto result = run(simulation, {});
-  EXPECT_GE(result.changes, 2'500U);
+  EXPECT_GE(result.changes, 2'400U);
   EXPECT_GE(result.share_current(), 0.999);
   EXPECT_EQ(result.judgement.wrong, 0U) << result.judgement.first_wrong;
 }
