@@ -138,7 +138,7 @@ Duration MapStream::until_due(MonotonicTime now, const PublishedMap& map) const 
   return std::max<Duration>(due - now, Duration{0});
 }
 
-void MapStream::begin_end(const PublishedMap& map) {
+void MapStream::send_all_again(const PublishedMap& map) {
   queue_.mark_all_pending(map.generation);
   next_announce_ = {};  // a receiver must know the window before the last tiles come
 }

@@ -56,8 +56,10 @@ class MapStream {
   /// Changed blocks of maps up to and with this generation have left; those of later ones have not all.
   std::uint64_t generation_out(const PublishedMap& map) const;
 
+  /// Everything is to be sent once more.
+  void send_all_again(const PublishedMap& map);
+
   // of the end (publisher_finish.cpp)
-  void begin_end(const PublishedMap& map);  ///< everything is to be sent once more
   /// Pending blocks, heartbeats and announcements within the pacing; no refreshes, no manifests.
   void send_pending(MonotonicTime now, PublishedMap& map);
   Duration until_worthwhile() const { return bucket_.until_worthwhile(); }

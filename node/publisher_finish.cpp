@@ -88,7 +88,7 @@ Status Publisher::finish(const NodeStatus& status, protocol::ByeReason reason, c
   State& s = *state_;
   s.map.status = status;
   for (auto& stream : s.streams)
-    if (stream) stream->begin_end(s.map);
+    if (stream) stream->send_all_again(s.map);
   bool sent = s.send_pending(between);
   if (s.map.has_map) s.send_last_manifests(sent);
   sent = s.send_farewell(reason, sent) && sent;

@@ -95,6 +95,7 @@ void Publisher::handle(const Request& request, MonotonicTime now) {
       break;
     case What::change:
       s.change_stream(outcome.slot);
+      if (outcome.restarted) s.streams[outcome.slot]->send_all_again(s.map);
       break;
     case What::end:
       spdlog::info("{} no longer subscribes", to_string(request.from));

@@ -23,7 +23,8 @@ RequestOutcome Subscriptions::answer(What what, const Endpoint& to, MonotonicTim
     return {};
   }
   answers_.take(1);
-  RequestOutcome outcome{what, 0, 0, false};
+  RequestOutcome outcome;
+  outcome.what = what;
   if (what == What::send_cookie) {
     ++counters.cookies;
     outcome.cookie = cookies_.cookie(to, now);
@@ -53,10 +54,16 @@ RequestOutcome Subscriptions::subscribe(const Request& request, const protocol::
   const auto held = find(request.from);
   if (wish.layer_mask == 0 && !held) return {};
   const auto place = held ? held : room_for(request.from);
-  if (!place) return {What::nothing, 0, 0, counters.refused_full++ == 0};
+  RequestOutcome outcome;
+  if (!place) {
+    outcome.first_refusal = counters.refused_full++ == 0;
+    return outcome;
+  }
+  outcome.slot = *place;
   Slot& slot = slots_[*place];
   if (!held) slot = {};
   slot.endpoint = request.from;
+  outcome.restarted = held && slot.boot_id != request.boot_id;
   if (!fresh(slot, request)) return {};
   if (request.seq < slot.subscribe_seq) {
     ++counters.outdated;
@@ -66,13 +73,14 @@ RequestOutcome Subscriptions::subscribe(const Request& request, const protocol::
   if (wish.layer_mask == 0) {
     slot.active = false;
     ++counters.ended;
-    return {What::end, *place, 0, false};
+    outcome.what = What::end;
+    return outcome;
   }
   slot.active = true;
   slot.lease_end = now + kLease;
   slot.wish = wish;
   counters.begun += held ? 0 : 1;
-  RequestOutcome outcome{held ? What::change : What::begin, *place, 0, false};
+  outcome.what = held ? What::change : What::begin;
   if (verdict == CookieJar::Verdict::aging) {
     ++counters.cookies;
     outcome.cookie = cookies_.cookie(request.from, now);
@@ -101,7 +109,10 @@ RequestOutcome Subscriptions::nack(const Request& request, const protocol::Nack&
   slot.nacks.take(1);
   ++counters.nacks;
   counters.nack_tiles += message.count;
-  return {What::resend, *held, 0, false};
+  RequestOutcome outcome;
+  outcome.what = What::resend;
+  outcome.slot = *held;
+  return outcome;
 }
 
 std::optional<std::size_t> Subscriptions::find(const Endpoint& endpoint) const {

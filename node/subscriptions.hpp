@@ -38,6 +38,7 @@ struct RequestOutcome {
   What what = What::nothing;
   std::size_t slot = 0;
   std::uint64_t cookie = 0;    ///< to be sent, besides `begin` and `change` where the client's is aging; 0 = none
+  bool restarted = false;      ///< of `change`: the client started again and holds nothing
   bool first_refusal = false;  ///< for want of room, for the first time
 };
 

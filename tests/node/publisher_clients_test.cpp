@@ -35,6 +35,7 @@ struct Client {
   Tap tap;
   std::vector<Received> received;
   std::uint64_t cookie = 0;
+  std::uint64_t boot_id = 77;
   std::uint64_t seq = 0;
   const protocol::Key* key = nullptr;
   std::size_t bytes_sent = 0;
@@ -44,7 +45,7 @@ struct Client {
   void send(const Message& message, std::uint16_t port, std::uint32_t stream_id = 1) {
     protocol::Header header;
     header.stream_id = stream_id;
-    header.boot_id = 77;
+    header.boot_id = boot_id;
     header.seq = ++seq;
     protocol::Datagram datagram;
     encode(header, message, datagram, key);
@@ -298,6 +299,24 @@ TEST(PublisherClients, NackedTileComesAheadOfRefreshes) {
   EXPECT_EQ(node.publisher->subscriptions().nacks, 1u);
   EXPECT_EQ(node.publisher->subscriptions().nack_tiles, 3u);
   EXPECT_EQ(node.publisher->subscriptions().tiles_requeued, 2u);
+}
+
+TEST(PublisherClients, ClientThatStartsAgainOnItsPortGetsEverythingAgainAtOnce) {
+  Tap fixed;
+  auto settings = settings_for(fixed);
+  settings.refresh_ms = 60'000;
+  Node node(settings);
+  node.publisher->submit(test::make_snapshot(1, kWindow));
+  Client client;
+  node.subscribe(client, {0, kEverything, {}, 0, 0});
+  node.run_subscribed(client, {0, kEverything, {}, 0, 0}, 1);
+  client.received.clear();
+  client.boot_id = 78;
+  client.seq = 0;
+  client.send(protocol::Subscribe{client.cookie, kEverything, {}, 0, 0}, node.port());
+  node.step({&client}, 500ms);
+  EXPECT_GE(client.count(MessageType::tile), 280u);
+  EXPECT_EQ(node.publisher->subscriptions().begun, 1u);
 }
 
 TEST(PublisherClients, ConfiguredDestinationThatSubscribesGetsNothingTwice) {

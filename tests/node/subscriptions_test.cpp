@@ -143,13 +143,17 @@ TEST(Subscriptions, OldAndRepeatedDatagramsChangeNothing) {
   EXPECT_EQ(desk.subscriptions.take(older, desk.now).what, What::nothing);
   Request again = desk.request(client);
   again.message = protocol::Subscribe{cookie, 7, {}, 0, 0};
-  EXPECT_EQ(desk.subscriptions.take(again, desk.now).what, What::change);
+  const auto changed = desk.subscriptions.take(again, desk.now);
+  EXPECT_EQ(changed.what, What::change);
+  EXPECT_FALSE(changed.restarted);
   EXPECT_EQ(desk.subscriptions.take(again, desk.now).what, What::nothing);
   EXPECT_EQ(desk.subscriptions.counters.outdated, 2u);
   Request restarted = desk.request(client, 6);  // the client started again on the same port
   restarted.seq = 1;
   restarted.message = protocol::Subscribe{cookie, 1, {}, 0, 0};
-  EXPECT_EQ(desk.subscriptions.take(restarted, desk.now).what, What::change);
+  const auto anew = desk.subscriptions.take(restarted, desk.now);
+  EXPECT_EQ(anew.what, What::change);
+  EXPECT_TRUE(anew.restarted);
 }
 
 TEST(Subscriptions, OnlySubscribersAreHeardWithANack) {
