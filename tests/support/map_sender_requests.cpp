@@ -29,6 +29,7 @@ void MapSender::receive(std::span<const std::uint8_t> datagram, Nanoseconds now,
     case MessageType::nack:
       if (decode(opened, nack) != Reject::none || nack.cookie != kCookie || now >= lease_end_) return;
       ++nacks_;
+      lease_end_ = now + kLease;
       for (std::size_t layer = 0; layer < settings_.layers.size(); ++layer) {
         for (std::size_t i = 0; settings_.layers[layer] == nack.layer && i < nack.count; ++i) {
           if (!tiles_.contains(nack.tiles[i])) continue;
