@@ -1098,7 +1098,7 @@ class Receiver {
 
   Config config_;
   detail::TileStore store_;
-  bool opened_ = false, any_stream_ = false;
+  bool opened_ = false, subscribes_ = false, any_stream_ = false;
   std::uint32_t stream_id_ = 0;
 
   // of the present sender
@@ -1137,6 +1137,8 @@ class Receiver {
 inline bool Receiver::open(const Config& config, Time now) {
   if (opened_) return fail("open", "one successful call an object", "a second one");
   config_ = config;
+  config_.bind = config_.multicast = config_.node = nullptr;  // they are the caller's
+  subscribes_ = config.node != nullptr;
   char number[32];
   const auto text = [&](long long value) { return std::snprintf(number, sizeof number, "%lld", value), number; };
   constexpr std::uint32_t kAllLayers = (1U << kLayers) - 1;
@@ -1166,7 +1168,7 @@ inline bool Receiver::open(const Config& config, Time now) {
   stream_id_ = any_stream_ ? 0 : static_cast<std::uint32_t>(config.stream_id);
   if (getrandom(&own_boot_id_, sizeof own_boot_id_, 0) != sizeof own_boot_id_ ||
       getrandom(&nonce_, sizeof nonce_, 0) != sizeof nonce_)
-    return fail("getrandom", "random bytes from the kernel", std::strerror(errno));
+    return fail("getrandom", "random bytes from the kernel", "none");
   next_subscribe_ = next_ping_ = now;
   last_subscribe_ = now - detail::kSubscribeEvery;
   opened_ = true;
@@ -1628,7 +1630,7 @@ inline std::size_t Receiver::seal_request(std::uint8_t (&out)[detail::kMaxDatagr
 }
 
 inline std::size_t Receiver::next_request(std::uint8_t (&out)[detail::kMaxDatagramBytes], Time now) {
-  if (config_.node == nullptr) return 0;
+  if (!subscribes_) return 0;
   if (now >= next_subscribe_) {
     last_subscribe_ = now;
     next_subscribe_ = now + detail::kSubscribeEvery;
@@ -1644,7 +1646,7 @@ inline std::size_t Receiver::next_request(std::uint8_t (&out)[detail::kMaxDatagr
 }
 
 inline std::size_t Receiver::end_request(std::uint8_t (&out)[detail::kMaxDatagramBytes]) {
-  if (config_.node == nullptr || cookie_ == 0) return 0;
+  if (!subscribes_ || cookie_ == 0) return 0;
   ++counters_.subscribes_sent;
   return write_subscribe(out, 0);
 }
@@ -1804,7 +1806,16 @@ class Client : public Receiver {
 
   bool make_socket(const char* what, detail::Address& local);
   bool join(const Config& config, const detail::Address& local);
-  bool fail_errno(const char* what) { return fail(what, "it to work", std::strerror(errno)); }
+  /// Not strerror, which threads may not share.
+  bool fail_errno(const char* what) {
+    char number[24];
+    std::snprintf(number, sizeof number, "errno %d", errno);
+    return fail(what, "an address of this machine and a free port",
+                errno == EADDRINUSE      ? "in use"
+                : errno == EADDRNOTAVAIL ? "no such address here"
+                : errno == EACCES        ? "not permitted"
+                                         : number);
+  }
   int receive_batch();
   Time arrival(msghdr& message, Time now, std::int64_t unix_ns);
   void send_requests(Time now);
@@ -1814,10 +1825,10 @@ class Client : public Receiver {
   detail::Address node_;
   Time drained_;  ///< when the socket was last seen empty: what comes later arrived later
   Time last_arrival_;
-  std::uint8_t slots_[kBatch][kSlotBytes];
-  alignas(cmsghdr) std::uint8_t control_[kBatch][kControlBytes];
-  mmsghdr messages_[kBatch];
-  iovec vectors_[kBatch];
+  std::uint8_t slots_[kBatch][kSlotBytes]{};
+  alignas(cmsghdr) std::uint8_t control_[kBatch][kControlBytes]{};
+  mmsghdr messages_[kBatch]{};
+  iovec vectors_[kBatch]{};
 };
 
 inline bool Client::open(const Config& config, Time now) {

@@ -23,7 +23,7 @@ struct Shown {
   std::vector<float> elevation;        ///< copy_layer
   std::vector<float> cell_state;       ///< copy_layer
   std::uint64_t accepted = 0, datagrams = 0;
-  std::uint64_t resident_bytes = 0;  ///< of the process
+  std::uint64_t memory = 0;  ///< Python: resident bytes of its process; C++: allocations since open()
 };
 
 struct PortSettings {

@@ -1,6 +1,6 @@
-#include <cstdio>
-#include <unistd.h>
+#include <cstdlib>
 
+#include "tests/client/allocation_counter.hpp"
 #include "tests/client/client_port.hpp"
 
 namespace scree::test {
@@ -8,14 +8,6 @@ namespace {
 
 client::Time at(Nanoseconds now) {
   return client::Time(std::chrono::duration_cast<client::Clock::duration>(now));
-}
-
-std::uint64_t resident_bytes() {
-  unsigned long pages = 0;
-  std::FILE* const file = std::fopen("/proc/self/statm", "r");
-  if (file == nullptr || std::fscanf(file, "%*u %lu", &pages) != 1) pages = 0;
-  if (file != nullptr) std::fclose(file);
-  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 class CppPort : public ClientPort {
@@ -30,7 +22,9 @@ class CppPort : public ClientPort {
     if (!receiver_.open(config, client::Time{})) std::abort();
   }
   void accept(std::span<const std::uint8_t> datagram, Nanoseconds now) override {
+    const std::uint64_t before = allocation_count();
     (void)receiver_.accept(datagram.data(), datagram.size(), at(now));
+    allocations_ += allocation_count() - before;
   }
   std::vector<std::vector<std::uint8_t>> requests(Nanoseconds now) override {
     receiver_.advance(at(now));
@@ -54,7 +48,7 @@ class CppPort : public ClientPort {
     (void)receiver_.copy_layer(client::Layer::cell_state, out.cell_state.data(), cells, at(now));
     out.accepted = receiver_.counters()[client::Verdict::accepted];
     out.datagrams = receiver_.counters().datagrams;
-    out.resident_bytes = resident_bytes();
+    out.memory = allocations_;
     return out;
   }
   std::vector<std::uint32_t> revisions(std::int32_t tx, std::int32_t ty, int columns, int rows) override {
@@ -67,6 +61,7 @@ class CppPort : public ClientPort {
 
  private:
   client::Receiver receiver_;
+  std::uint64_t allocations_ = 0;
 };
 
 }  // namespace

@@ -48,3 +48,11 @@ $cxx -std=c++17 -fno-exceptions -fno-rtti -Wall -Wextra -Wpedantic -Werror $flag
 [ "$(pkg-config --modversion scree_client)" = "$(sed -n 's/^set(PACKAGE_VERSION "\(.*\)")/\1/p' "$work/moved/share/cmake/scree_client/scree_clientConfigVersion.cmake")" ]
 echo "pkg-config: ok"
 test -f "$work/moved/share/scree/client/scree_client.py"
+test -f "$work/moved/share/scree/client/scree.lua"
+
+# the example of docs/client.md, as it stands there
+source=$(dirname "$(readlink -f "$0")")/../..
+sed -n '/^```cpp$/,/^```$/p' "$source/docs/client.md" | sed '1d;/^```$/,$d' >"$work/planner.cpp"
+grep -q 'int main' "$work/planner.cpp"
+$cxx -std=c++17 -Wall -Wextra -Werror $flags "$work/planner.cpp" -o "$work/planner"
+echo "example: ok"

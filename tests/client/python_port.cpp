@@ -82,7 +82,7 @@ class PythonPort : public ClientPort {
     out.grid.rows = get<std::uint32_t>();
     out.accepted = get<std::uint64_t>();
     out.datagrams = get<std::uint64_t>();
-    out.resident_bytes = get<std::uint64_t>();
+    out.memory = get<std::uint64_t>();
     const std::size_t cells = out.grid.cells();
     out.cost = get_many<std::uint8_t>(cells);
     out.occupancy = get_many<std::int8_t>(cells);

@@ -10,7 +10,6 @@ namespace {
 using namespace node::protocol;
 using node::TileIndex;
 
-constexpr std::uint64_t kCookie = 0xC00C1E;
 constexpr Nanoseconds kTenth = std::chrono::milliseconds(100);
 constexpr Nanoseconds kSecond = std::chrono::seconds(1);
 constexpr Nanoseconds kRepeatAfter = std::chrono::milliseconds(20);
@@ -76,13 +75,6 @@ Header MapSender::header(Nanoseconds now) {
   out.t_data_ns = changed_at_.count() + 1;
   out.age_us = static_cast<std::uint32_t>((now - changed_at_).count() / 1000);
   return out;
-}
-
-template <class Message>
-void MapSender::emit(const Message& message, Nanoseconds now, const Send& send) {
-  Datagram datagram;
-  encode(header(now), message, datagram, keys_.signer());
-  send(datagram.view());
 }
 
 void MapSender::revise(Nanoseconds now) {
@@ -198,40 +190,6 @@ void MapSender::tick(Nanoseconds now, const Send& send) {
   if (now >= next_announce_) send_announce(now, send);
   send_tiles(now, send);
   if (now >= next_manifest_ || (manifest_wanted_ && pending_.empty())) send_manifests(now, send);
-}
-
-void MapSender::receive(std::span<const std::uint8_t> datagram, Nanoseconds now, const Send& send) {
-  Opened opened;
-  if (open_datagram(datagram, opened, keys_) != Reject::none) return;
-  Subscribe subscribe;
-  Nack nack;
-  Ping ping;
-  switch (opened.header.type) {
-    case MessageType::subscribe:
-      if (decode(opened, subscribe) != Reject::none) return;
-      if (subscribe.cookie != kCookie) return emit(Cookie{kCookie, 3000}, now, send);
-      if (now >= lease_end_) next_announce_ = next_manifest_ = now;
-      lease_end_ = subscribe.layer_mask == 0 ? now : now + 3 * kSecond;
-      repeats_ = subscribe.repeats;
-      return;
-    case MessageType::nack:
-      if (decode(opened, nack) != Reject::none || nack.cookie != kCookie || now >= lease_end_) return;
-      ++nacks_;
-      for (std::size_t layer = 0; layer < settings_.layers.size(); ++layer) {
-        for (std::size_t i = 0; settings_.layers[layer] == nack.layer && i < nack.count; ++i) {
-          if (!tiles_.contains(nack.tiles[i])) continue;
-          const std::size_t unit = layer * history_.size() + tiles_.position(nack.tiles[i]);
-          if (!units_[unit].pending && !units_[unit].nacked) nacked_.push_back(unit);
-          units_[unit].nacked = true;
-        }
-      }
-      return;
-    case MessageType::ping:
-      if (decode(opened, ping) == Reject::none) emit(Pong{ping.nonce, ping.t_request_ns, 5, 6}, now, send);
-      return;
-    default:
-      return;
-  }
 }
 
 void MapSender::say_bye(const Send& send) {

@@ -74,7 +74,11 @@ class MapSender {
   };
   node::protocol::Header header(Nanoseconds now);
   template <class Message>
-  void emit(const Message& message, Nanoseconds now, const Send& send);
+  void emit(const Message& message, Nanoseconds now, const Send& send) {
+    node::protocol::Datagram datagram;
+    encode(header(now), message, datagram, keys_.signer());
+    send(datagram.view());
+  }
   void revise(Nanoseconds now);
   void send_unit(std::size_t unit, Nanoseconds now, const Send& send);
   void send_tiles(Nanoseconds now, const Send& send);

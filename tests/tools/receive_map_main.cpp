@@ -35,7 +35,7 @@ int main() {
   const auto begin = scree::client::Clock::now();
   auto last = begin, looked = begin;
   std::vector<std::uint8_t> cost;
-  while (!map->ended() && scree::client::Clock::now() - last < 2s) {
+  while (scree::client::Clock::now() - last < (map->ended() ? 100ms : 2000ms)) {
     (void)map->wait(20ms);
     if (map->poll()) last = scree::client::Clock::now();
     if (scree::client::Clock::now() - looked < 100ms) continue;
