@@ -64,6 +64,7 @@ class Pipeline {
   void acquire(const std::stop_token& stop);
   Result<bool> acquire_event(const std::stop_token& stop);  ///< false: nothing more will come
   bool deliver(std::shared_ptr<const RangeFrame> frame, const std::stop_token& stop);
+  void copy_source_counters();
   Result<bool> restart_source();
   void map_frames(const std::stop_token& stop);
   void count_alignment(const mapping::AlignmentReport& alignment);
@@ -74,7 +75,6 @@ class Pipeline {
   void count_rejected();
   void note_first_frame();
   void copy_publisher_counters();
-  void copy_source_counters();
   NodeStatus status(MonotonicTime now);
   void count_skipped(const std::string& message);
   void fail(Error error);
@@ -95,14 +95,14 @@ class Pipeline {
   mutable std::mutex mutex_;  ///< guards all below
   std::condition_variable_any changed_;
   Statistics statistics_;
-  double registration_m2_ = 0.0;  // sum of squares over the frames mapped
+  std::optional<drivers::Origin> origin_;  ///< of the last frame delivered
+  double registration_m2_ = 0.0;           // sum of squares over the frames mapped
   LatencyHistogram latency_;
   std::optional<MonotonicTime> first_taken_;  ///< by the map stage
   std::shared_ptr<const mapping::MapSnapshot> map_;
   std::optional<Error> error_;
   std::optional<Error> publish_error_;
   MonotonicTime last_frame_ = start_;
-  std::optional<drivers::Origin> origin_;  ///< of the last frame delivered
   std::uint64_t dropped_at_last_look_ = 0;
   MonotonicTime last_look_ = start_;
   bool overloaded_ = false;

@@ -42,12 +42,6 @@ void Pipeline::copy_publisher_counters() {
   statistics_.publisher = counters;
 }
 
-void Pipeline::copy_source_counters() {
-  const auto counters = source_->counters();
-  const std::lock_guard lock(mutex_);
-  statistics_.source = counters;
-}
-
 NodeStatus Pipeline::status(MonotonicTime now) {
   const auto dropped = queue_.dropped();
   const std::lock_guard lock(mutex_);
@@ -102,6 +96,12 @@ Statistics Pipeline::statistics() const {
   statistics.latency_max = latency_.max();
   statistics.elapsed = MonotonicClock::now() - start_;
   return statistics;
+}
+
+void Pipeline::copy_source_counters() {
+  const auto counters = source_->counters();
+  const std::lock_guard lock(mutex_);
+  statistics_.source = counters;
 }
 
 std::shared_ptr<const mapping::MapSnapshot> Pipeline::map() const {

@@ -9,7 +9,6 @@
 
 #include "config/settings.hpp"
 #include "core/result.hpp"
-#include "drivers/source.hpp"
 #include "mapping/snapshot.hpp"
 #include "node/protocol_messages.hpp"
 

@@ -10,6 +10,12 @@ double to_ms(Duration duration) {
   return static_cast<double>(duration.count()) * 1e-6;
 }
 
+nlohmann::ordered_json source_json(const drivers::SourceCounters& source) {
+  auto json = nlohmann::ordered_json::object();
+  for (const auto& item : source.items()) json[item.name] = item.value;
+  return json;
+}
+
 nlohmann::ordered_json pixel_json(const PixelCounts& pixels) {
   return {{"pixels", pixels.pixels},
           {"points", pixels.points},
@@ -32,12 +38,6 @@ nlohmann::ordered_json publisher_json(const PublisherCounters& publisher) {
           {"blocks_refreshed", publisher.blocks_refreshed},
           {"cells_saturated", publisher.cells_saturated},
           {"send_blocked", publisher.send_blocked}};
-}
-
-nlohmann::ordered_json source_json(const drivers::SourceCounters& source) {
-  auto json = nlohmann::ordered_json::object();
-  for (const auto& item : source.items()) json[item.name] = item.value;
-  return json;
 }
 
 }  // namespace
@@ -68,6 +68,7 @@ std::string to_json(const Statistics& s) {
       {"maps_forgotten", s.maps_forgotten},
       {"registration_m", s.registration_m},
       {"cells_measured", s.cells_measured},
+      {"source", source_json(s.source)},
       {"latency_ms", {{"p50", to_ms(s.latency_p50)}, {"p99", to_ms(s.latency_p99)}, {"max", to_ms(s.latency_max)}}},
       {"datagrams", s.publisher.datagrams},
       {"bytes", s.publisher.bytes},
@@ -77,7 +78,6 @@ std::string to_json(const Statistics& s) {
       {"elapsed_s", to_seconds(s.elapsed)},
       {"mapping_s", to_seconds(s.mapping)},
       {"frames_per_s", s.frames_per_s()},
-      {"source", source_json(s.source)},
       {"publisher", publisher_json(s.publisher)},
       {"pixels", pixel_json(s.pixels)}};
   return json.dump(2);

@@ -6,7 +6,6 @@
 
 #include "core/time.hpp"
 #include "drivers/frame/point_frame.hpp"
-#include "drivers/source.hpp"
 #include "node/publisher.hpp"
 
 namespace scree::node {
@@ -17,7 +16,8 @@ struct Statistics {
   std::uint64_t frames_dropped = 0;     ///< live: superseded by a newer one before they were mapped
   std::uint64_t frames_pose_stale = 0;  ///< no fresh pose: not integrated
   std::uint64_t frames_mapped = 0;
-  PixelCounts pixels;  ///< of the frames mapped
+  drivers::SourceCounters source;  ///< what it counts of its own
+  PixelCounts pixels;              ///< of the frames mapped
   std::uint64_t points_fused = 0;
   std::uint64_t points_outside = 0;
   std::uint64_t points_outlier = 0;
@@ -31,7 +31,6 @@ struct Statistics {
   Duration latency_p50{0};  ///< frame in to map out; replay: from the moment the map stage takes the frame
   Duration latency_p99{0};
   Duration latency_max{0};
-  drivers::SourceCounters source;  ///< what it counts of its own
   PublisherCounters publisher;
   std::uint64_t rejected = 0;  ///< datagrams received that failed a check
   Duration elapsed{0};         ///< wall clock of the whole run, with start-up and the last map's way out
