@@ -117,7 +117,9 @@ void add_device_options(CLI::App& command, SimulateOptions& options) {
   command.add_option("--duration", options.duration_s, "End the drive after this time")
       ->check(CLI::PositiveNumber)
       ->type_name("S");
-  command.add_option("--frames", options.frames, "End the drive after this many frames")->type_name("N");
+  command.add_option("--frames", options.frames, "End the drive after this many frames")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
   command.add_option("--config", options.config, "Configuration whose vehicle.* the way is judged by")
       ->type_name("FILE");
   command.add_option("--set", options.assignments, "Override one key of it; repeatable")
