@@ -39,8 +39,8 @@ Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> sourc
       inbox_(std::move(inbox)),
       poses_(make_poses(config_, inbox_->poses())),
       mapper_(config_.settings.map, pool_),
-      publisher_(std::move(publisher)) {
-  last_frame_ = MonotonicClock::now();  // the sensor is not late for what was built until now
+      publisher_(std::move(publisher)),
+      last_frame_(MonotonicClock::now()) {  // the sensor is not late for what was built until now
   for (int i = 1; i < pool_.threads(); ++i)
     workers_.emplace_back([this](const std::stop_token& stop) { pool_.work(stop); });
   receive_thread_ = std::jthread([this](const std::stop_token& stop) { receive(stop); });

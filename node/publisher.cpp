@@ -100,7 +100,8 @@ Result<std::unique_ptr<Publisher>> Publisher::open(const config::PublishSettings
       std::move(map), std::make_shared<UdpSocket>(std::move(*socket)), *destination, *cookies, std::move(clients))));
 }
 
-void Publisher::submit(std::shared_ptr<const mapping::MapSnapshot> snapshot, std::optional<MonotonicTime> taken) {
+void Publisher::submit(const std::shared_ptr<const mapping::MapSnapshot>& snapshot,
+                       std::optional<MonotonicTime> taken) {
   if (!snapshot) return;
   State& s = *state_;
   PublisherCounters& counters = s.map.counters;

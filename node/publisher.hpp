@@ -32,7 +32,8 @@ class Publisher {
   /// The newest map; what of older ones was not sent yet is superseded, no change is lost. The tiles are cut here: the
   /// snapshot is not held. Latency counts from `taken` (none: from when the data was received). Cost: docs/protocol.md,
   /// "Cost". Null is ignored.
-  void submit(std::shared_ptr<const mapping::MapSnapshot> snapshot, std::optional<MonotonicTime> taken = std::nullopt);
+  void submit(const std::shared_ptr<const mapping::MapSnapshot>& snapshot,
+              std::optional<MonotonicTime> taken = std::nullopt);
 
   /// The pose that a frame was fused with, and when the node got it. Sent once to every destination.
   void add_pose(const protocol::PoseMessage& pose, MonotonicTime delivered);

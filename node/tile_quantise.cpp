@@ -70,7 +70,8 @@ struct CellRule {
 
 /// Returns how many were saturated. In doubles, so that scale/2 bounds the error of large heights too. Half steps go
 /// up; far from zero the truncation of a conversion is a floor, which vectorises everywhere.
-SCREE_CLONES int quantise_cells(const CellRule rule, const float* values, std::int16_t* raw, int count) {
+SCREE_CLONES int quantise_cells(const CellRule& given, const float* values, std::int16_t* raw, int count) {
+  const CellRule rule = given;  // not to be read again for every cell
   constexpr double kFar = 65536.0;
   const int lowest = static_cast<int>(rule.low), highest = static_cast<int>(rule.high);
   int saturated = 0;

@@ -56,15 +56,16 @@ template <class Message>
 void check_codec(const protocol::Opened& opened) {
   Message message;
   if (decode(opened, message) != protocol::Reject::none || opened.header.ver_minor != 0) return;
+  const bool has_mac = (opened.header.flags & protocol::kFlagMac) != 0;
+  const protocol::Key* const key = has_mac ? kKeys.find(opened.header.key_id) : nullptr;
   protocol::Datagram again;
-  encode(opened.header, message, again, kKeys.find(opened.header.key_id));
+  encode(opened.header, message, again, key);
   protocol::Opened reopened;
   Message back;
-  expect(open_datagram(again.view(), reopened, opened.header.key_id != 0 ? kKeys : protocol::kNoKeys) ==
-         protocol::Reject::none);
+  expect(open_datagram(again.view(), reopened, has_mac ? kKeys : protocol::kNoKeys) == protocol::Reject::none);
   expect(decode(reopened, back) == protocol::Reject::none);
   protocol::Datagram third;
-  encode(opened.header, back, third, kKeys.find(opened.header.key_id));
+  encode(opened.header, back, third, key);
   expect(std::ranges::equal(again.view(), third.view()));
 }
 

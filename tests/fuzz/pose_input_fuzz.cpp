@@ -31,7 +31,8 @@ protocol::Datagram make_datagram(std::span<const std::uint8_t> record) {
   header.boot_id = record[1] % 12u;
   header.seq = record[2];
   protocol::PoseInputMessage message;
-  message.time = Time(std::chrono::milliseconds((record[3] | record[4] << 8) - 1000));
+  // from just before what is too old, at 20 s, to just after what is too far ahead, at 31 s
+  message.time = Time(std::chrono::milliseconds(19'500 + (record[3] | record[4] << 8) % 12'000));
   protocol::Datagram datagram;
   protocol::encode(header, message, datagram);
   const std::size_t body = protocol::kHeaderBytes;
@@ -79,7 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_history(receiver.history());
   }
   const PoseInputCounters& counters = receiver.counters();
-  std::uint64_t reasons = counters.foreign_address + counters.not_later + counters.in_future;
+  std::uint64_t reasons = counters.foreign_address + counters.not_later + counters.in_future + counters.in_past;
   for (const std::uint64_t count : counters.rejected_by) reasons += count;
   expect(counters.datagrams == counters.accepted + counters.rejected && counters.rejected == reasons);
   return 0;
