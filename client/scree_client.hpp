@@ -1825,6 +1825,7 @@ class Client : public Receiver {
   detail::Address node_;
   Time drained_;  ///< when the socket was last seen empty: what comes later arrived later
   Time last_arrival_;
+  bool stamped_ = false;  ///< a datagram had a stamp from before it was read
   std::uint8_t slots_[kBatch][kSlotBytes]{};
   alignas(cmsghdr) std::uint8_t control_[kBatch][kControlBytes]{};
   mmsghdr messages_[kBatch]{};
@@ -1903,7 +1904,8 @@ inline int Client::receive_batch() {
 }
 
 /// When the kernel got it, on this clock: a datagram that waited in the buffer is as old as it is. Where the kernel's
-/// clock disagrees, not before the buffer was last empty and not after now.
+/// clock disagrees, not before the buffer was last empty and not after now. The kernel begins to stamp a moment after
+/// it was told to, and gives what it did not stamp the time of reading: that may be as old as the buffer.
 inline Time Client::arrival(msghdr& message, Time now, std::int64_t unix_ns) {
   Time when = now;
   for (cmsghdr* item = CMSG_FIRSTHDR(&message); item != nullptr; item = CMSG_NXTHDR(&message, item)) {
@@ -1915,7 +1917,9 @@ inline Time Client::arrival(msghdr& message, Time now, std::int64_t unix_ns) {
     } else if (item->cmsg_type == SCM_TIMESTAMPNS) {
       timespec stamp{};
       std::memcpy(&stamp, CMSG_DATA(item), sizeof stamp);
-      when = now - Duration(unix_ns - (std::int64_t{stamp.tv_sec} * 1'000'000'000 + stamp.tv_nsec));
+      const std::int64_t age_ns = unix_ns - (std::int64_t{stamp.tv_sec} * 1'000'000'000 + stamp.tv_nsec);
+      stamped_ = stamped_ || age_ns > 0;
+      when = stamped_ ? now - Duration(age_ns) : drained_;
     }
   }
   last_arrival_ = std::min(std::max({when, drained_, last_arrival_}), std::max(now, last_arrival_));

@@ -1090,6 +1090,7 @@ class Client(Receiver):
             self._node = (str(node), node_port)
         self._socket = self._open_socket(config, local, port)
         self._drained = self._last_arrival = now
+        self._stamped = False  # a datagram had a stamp from before it was read
 
     def _open_socket(self, config, local, port):
         family = socket.AF_INET if local.version == 4 else socket.AF_INET6
@@ -1170,12 +1171,16 @@ class Client(Receiver):
 
     def _arrival(self, items, now, unix):
         """When the kernel got it, on this clock: a datagram that waited in the buffer is as old as it is. Where the
-        kernel's clock disagrees, not before the buffer was last empty and not after now."""
+        kernel's clock disagrees, not before the buffer was last empty and not after now. The kernel begins to stamp a
+        moment after it was told to, and gives what it did not stamp the time of reading: that may be as old as the
+        buffer."""
         when = now
         for _, kind, data in items:
             if kind == _SO_TIMESTAMPNS:
                 seconds, nanoseconds = _TIMESPEC.unpack(data)
-                when = now - (unix - seconds * 1_000_000_000 - nanoseconds)
+                age = unix - seconds * 1_000_000_000 - nanoseconds
+                self._stamped = self._stamped or age > 0
+                when = now - age if self._stamped else self._drained
             elif kind == _SO_RXQ_OVFL:
                 self.counters["overflowed"], = struct.unpack("@I", data)
         last = self._last_arrival
