@@ -1,7 +1,9 @@
 // scree plan and scree top as a user runs them.
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
+#include "tests/integration/hand_made.hpp"
 #include "tests/integration/live_node.hpp"
 
 namespace scree::test {
