@@ -23,8 +23,8 @@ using std::chrono::seconds;
 /// `scree run` on a recording of flat ground in a loop; it listening at at a port that it prints.
 class Node {
  public:
-  explicit Node(std::vector<std::string> more = {}) {
-    const auto recording = make_depth_recording(folder_ / "drive", every(0.1, 20), 0.2);
+  explicit Node(std::vector<std::string> more = {}, const std::vector<double>& times_s = every(0.1, 20)) {
+    const auto recording = make_depth_recording(folder_ / "drive", times_s, 0.2);
     std::vector<std::string> words{"run",
                                    "--config",
                                    live_config(folder_ / "robot.yaml", recording).string(),
