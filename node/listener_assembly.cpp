@@ -269,9 +269,12 @@ void MapAssembly::advance(MonotonicTime now) {
   if (next == LinkState::lost && valid()) {
     // a silence is noticed late: what was valid then, not what has expired since
     last_valid_ = make_map(std::min(now, heartbeat_at_ + kLost), true);
-    const bool silent = !bye_ && now - heartbeat_at_ >= (announce_ ? shorter(kLost, announce_->lost_ms) : kLost);
-    if (silent) tiles_.forget_tiles();
   }
+  // also of a node that was at fault before it fell silent: what it sent then must not come back
+  const bool silent =
+      heartbeat_ && !bye_ && now - heartbeat_at_ >= (announce_ ? shorter(kLost, announce_->lost_ms) : kLost);
+  if (silent && !silent_) tiles_.forget_tiles();
+  silent_ = silent;
   link_ = next;
 }
 

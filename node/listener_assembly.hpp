@@ -101,6 +101,7 @@ class MapAssembly {
   std::uint64_t lost_before_ = 0;  ///< in earlier boots
   std::optional<MonotonicTime> conflict_at_;
   LinkState link_ = LinkState::waiting;
+  bool silent_ = false;  ///< no heartbeat for so long that the tiles were forgotten
   std::shared_ptr<const mapping::MapSnapshot> last_valid_;
   std::optional<drivers::Origin> origin_;
   std::optional<drivers::Origin> refused_origin_;

@@ -15,6 +15,10 @@ namespace scree::node {
 
 inline constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds(100);
 inline constexpr Duration kAnnouncePeriod = std::chrono::seconds(1);
+/// A receiver that misses where the window moved to takes no tile of it until it hears: for so long one loss must not
+/// decide.
+inline constexpr int kAnnounceCopies = 2;
+inline constexpr Duration kAnnounceCopyPeriod = std::chrono::milliseconds(100);
 inline constexpr Duration kManifestPeriod = std::chrono::milliseconds(100);
 inline constexpr double kManifestShare = 0.25;  ///< of the pacing, at most
 /// Between the copies of a block: longer than most bursts of loss.
@@ -109,6 +113,7 @@ class MapStream {
   MonotonicTime next_manifest_;
   MonotonicTime next_refresh_;
   bool announced_window_ = false;  // the window is the one last announced
+  int announce_copies_ = 0;        // still to be sent of a window that is new
   bool manifest_wanted_ = false;   // a new revision is waiting for its manifest
   bool refresh_turn_ = false;      // changed and refreshed units take turns when both are due
 };

@@ -16,8 +16,10 @@ void MapStream::send_announce(MonotonicTime now, PublishedMap& map) {
   auto message = map.announce(wish_.layer_mask, refresh_ms(map));
   message.heartbeat_ms = static_cast<std::uint32_t>(to_milliseconds(kHeartbeatPeriod));
   add(map.header(now), message, map);
+  if (!announced_window_) announce_copies_ = kAnnounceCopies;
   announced_window_ = true;
-  next_announce_ = now + kAnnouncePeriod;
+  next_announce_ = now + (announce_copies_ > 0 ? kAnnounceCopyPeriod : kAnnouncePeriod);
+  announce_copies_ = std::max(0, announce_copies_ - 1);
 }
 
 void MapStream::send_poses(MonotonicTime now, PublishedMap& map) {

@@ -30,7 +30,7 @@ struct QuantisationCounts {
 };
 
 /// Values of one layer in a tile, row-major; NaN = unknown or outside the snapshot's window. Costs and states are
-/// exact. CELL_AGE is not a layer of snapshots: all NaN.
+/// exact.
 void gather(const mapping::MapSnapshot& snapshot, protocol::Layer layer, TileIndex tile,
             std::span<float, protocol::kTileArea> values);
 

@@ -13,8 +13,10 @@ namespace {
 
 using nlohmann::json;
 
-const std::vector<std::string> kLayers{"cost",  "elevation",       "dimension",       "amplitude", "cell_state",
-                                       "slope", "elevation_sigma", "dimension_sigma", "step",      "hits"};
+const std::vector<std::string> kLayers{"cost",       "elevation",      "dimension",       "amplitude",
+                                       "cell_state", "slope",          "elevation_sigma", "dimension_sigma",
+                                       "step",       "hits",           "cell_age",        "elevation_mean",
+                                       "risk",       "dimension_flags"};
 
 TEST(Replay, SameBytesAtAnyRateWithAnyNumberOfThreads) {
   const TemporaryFolder folder;

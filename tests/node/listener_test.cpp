@@ -137,6 +137,18 @@ TEST(Freshness, FaultReadsUnknownWhileItLasts) {
   EXPECT_EQ(scene.cost(0), 10);
 }
 
+TEST(Freshness, TilesFromBeforeAFaultDoNotComeBackAfterSilence) {
+  Scene scene;
+  scene.start();
+  scene.header.health = protocol::kHealthFault;
+  scene.send(protocol::Heartbeat{});
+  scene.wait(1100ms);
+  scene.header.health = 0;
+  scene.send(protocol::Heartbeat{});
+  EXPECT_EQ(scene.assembly.link(), LinkState::fresh);
+  EXPECT_EQ(scene.cost(0), 255);
+}
+
 TEST(Freshness, ByeEndsTheMapAndKeepsTheLastOne) {
   Scene scene;
   scene.start();
