@@ -6,19 +6,17 @@
 #include <chrono>
 #include <cstdint>
 #include <fmt/format.h>
-#include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <spdlog/spdlog.h>
 #include <string>
-#include <vector>
 
 #include "client/examples/drive_command.hpp"
 #include "client/examples/map_driver.hpp"
 #include "drivers/terrain_load.hpp"
-#include "io/picture.hpp"
 #include "node/commands/command_line.hpp"
+#include "node/map_output.hpp"
+#include "node/plan_report.hpp"
 #include "node/progress.hpp"
 #include "node/signals.hpp"
 
@@ -94,27 +92,6 @@ Result<DriverConfig> parse_config(const PlanOptions& options) {
   return config;
 }
 
-struct TrackPoint {
-  double t_s, x_m, y_m, heading_rad;
-};
-
-/// What the planner did, and when it ended.
-struct Drive {
-  std::vector<TrackPoint> track;  ///< where the map said that the robot was, whenever it had moved by 2 cm
-  double path_m = 0.0, duration_s = 0.0;
-  std::string ended = "timeout";
-
-  void note(double t_s, const scree_example::Posture& posture) {
-    if (!track.empty()) {
-      const TrackPoint& last = track.back();
-      const double moved_m = std::hypot(posture.at.x_m - last.x_m, posture.at.y_m - last.y_m);
-      if (moved_m < 0.02) return;
-      path_m += moved_m;
-    }
-    track.push_back({t_s, posture.at.x_m, posture.at.y_m, posture.heading_rad});
-  }
-};
-
 /// Until it arrived, gave up, ran out of time, or a signal.
 Drive drive_to_goal(MapDriver& driver, scree_example::DriveSender& wheels, SignalWatch& signals,
                     const scree_example::Point& goal, double limit_s) {
@@ -140,64 +117,13 @@ Drive drive_to_goal(MapDriver& driver, scree_example::DriveSender& wheels, Signa
   return drive;
 }
 
-std::string plan_json(const Drive& drive, const MapDriver& driver, const scree_example::DriveSender& wheels,
-                      const scree_example::Point& goal) {
-  const auto& counters = driver.counters();
-  nlohmann::ordered_json json{{"ended", drive.ended},
-                              {"duration_s", drive.duration_s},
-                              {"path_m", drive.path_m},
-                              {"distance_to_goal_m", scree_example::distance_m(driver.posture().at, goal)},
-                              {"plans", counters.plans},
-                              {"plans_without_path", counters.plans_without_path},
-                              {"stops_not_fresh", counters.stops_not_fresh},
-                              {"commands_sent", wheels.sent()},
-                              {"commands_failed", wheels.failed()}};
-  auto& received = json["received"] = nlohmann::ordered_json::object();
-  driver.map().counters().for_each([&](const char* name, std::uint64_t value) { received[name] = value; });
-  return json.dump(2) + '\n';
-}
-
-Status write_track(const std::string& file, const Drive& drive) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << "t_s,x_m,y_m,heading_rad\n";
-  for (const TrackPoint& p : drive.track)
-    stream << fmt::format("{:.3f},{:.4f},{:.4f},{:.5f}\n", p.t_s, p.x_m, p.y_m, p.heading_rad);
-  stream.close();
-  if (stream) return {};
-  return Error{ErrorKind::cannot_create, fmt::format("{}: expected a file that can be written, found none", file)};
-}
-
-/// The way over the true terrain, and over the costs that the last plan saw.
-Status write_picture(const std::string& file, const Drive& drive, const MapDriver& driver,
-                     const drivers::Terrain* terrain) {
-  const auto& grid = driver.grid();
-  if (grid.cost.empty()) return Error{ErrorKind::bad_data, file + ": expected a map to draw, found none received"};
-  Grid<float> cost(grid.rows, grid.columns), height_m(grid.rows, grid.columns, std::nanf(""));
-  for (int row = 0; row < grid.rows; ++row)
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t i = grid.index(column, row);
-      cost(row, column) = grid.cost[i] == scree_example::kUnknown ? std::nanf("") : static_cast<float>(grid.cost[i]);
-      const auto at = grid.centre(i);
-      if (terrain != nullptr) height_m(row, column) = static_cast<float>(terrain->height_m(at.x_m, at.y_m));
-    }
-  std::vector<io::PicturePanel> panels;
-  if (terrain != nullptr)
-    panels.push_back({"true terrain / m", height_m, {io::ColourMap::terrain, std::nullopt, std::nullopt, true}});
-  panels.push_back({"cost at the last plan (0 free, 254 lethal)", cost, {io::ColourMap::cost, 0.0, 254.0, false}});
-  io::PicturePath way;
-  for (const TrackPoint& p : drive.track) way.points_m.push_back({p.x_m, p.y_m});
-  return io::write_map_picture(file, panels, {grid.x_min_m, grid.y_min_m, grid.cell_m}, std::nullopt,
-                               fmt::format("{} after {:.1f} s, {:.1f} m", drive.ended, drive.duration_s, drive.path_m),
-                               {way});
-}
-
 Status write_outputs(const PlanOptions& options, const Drive& drive, const MapDriver& driver,
                      const drivers::Terrain* terrain) {
   if (options.track) {
     if (auto written = write_track(*options.track, drive); !written) return written;
   }
   if (!options.picture) return {};
-  if (auto written = write_picture(*options.picture, drive, driver, terrain); !written) return written;
+  if (auto written = write_plan_picture(*options.picture, drive, driver, terrain); !written) return written;
   spdlog::info("picture: {}", *options.picture);
   return {};
 }
@@ -205,6 +131,9 @@ Status write_outputs(const PlanOptions& options, const Drive& drive, const MapDr
 Result<int> run_plan(const PlanOptions& options) {
   const auto config = parse_config(options);
   if (!config) return config.error();
+  if (options.picture) {  // a long drive must not end in a typing error
+    if (const auto possible = check_picture_path("--picture", *options.picture); !possible) return possible.error();
+  }
   std::optional<drivers::Terrain> terrain;
   if (!options.terrain.empty()) {
     auto loaded = drivers::load_terrain(options.terrain);
