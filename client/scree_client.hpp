@@ -24,7 +24,7 @@
 //     for (;;) {
 //       map.wait(std::chrono::milliseconds(20));  // until something arrives
 //       map.poll();                               // takes what is there; never blocks
-//       if (!map.fresh()) continue;               // stop the robot here
+//       if (!map.fresh() || map.health() != 0) continue;  // stop the robot here; health(): sensor or pose lost, FAULT
 //       std::printf("%d\n", map.cost(1.0, 2.0));  // 0 free ... 254 lethal, 255 unknown (never drive)
 //     }
 //   }
@@ -802,7 +802,8 @@ struct LayerTile {
   bool outdated = false;         ///< a block is older than that, or missing
   Time wanted_since;             ///< when wanted_rev last grew
   Time outdated_since;
-  Time nack_at;  ///< not before
+  std::uint32_t outdated_rev = 0;  ///< wanted at outdated_since: only a tile that has it begins to wait anew
+  Time nack_at;                    ///< not before
 };
 
 struct TileWindow {
@@ -1364,8 +1365,11 @@ inline void Receiver::put(const detail::TileBlock& block, Time now) {
   std::memcpy(store_.cells(block.layer, block.tx, block.ty) + block.half * detail::kTileArea, block.cells,
               detail::kTileArea);
   if (!tile.outdated) return;
-  tile.outdated = detail::held_rev(tile, block.layer) < tile.wanted_rev;
+  const std::uint32_t held = detail::held_rev(tile, block.layer);
+  tile.outdated = held < tile.wanted_rev;
+  if (held < tile.outdated_rev) return;
   tile.outdated_since = tile.wanted_since;
+  tile.outdated_rev = tile.wanted_rev;
 }
 
 inline Verdict Receiver::take_manifest(const Opened& opened, Time now) {
@@ -1394,6 +1398,7 @@ inline void Receiver::note_wanted(Layer layer, std::int32_t tx, std::int32_t ty,
   tile->outdated = any_outdated_ = true;
   tiles_forgotten_ = false;
   tile->outdated_since = now;
+  tile->outdated_rev = rev;
   tile->nack_at = std::max(tile->nack_at, now + detail::kNackAfter);
 }
 

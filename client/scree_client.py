@@ -213,7 +213,7 @@ class _Block:
 
 class _LayerTile:
     """One layer of one tile. 16-bit layers have two blocks."""
-    __slots__ = ("block", "wanted_rev", "outdated", "wanted_since", "outdated_since", "nack_at")
+    __slots__ = ("block", "wanted_rev", "outdated", "wanted_since", "outdated_since", "outdated_rev", "nack_at")
 
     def __init__(self):
         self.block = [None, None]
@@ -221,6 +221,7 @@ class _LayerTile:
         self.outdated = False  # a block is older than that, or missing
         self.wanted_since = 0  # when wanted_rev last grew
         self.outdated_since = 0
+        self.outdated_rev = 0  # wanted at outdated_since: only a tile that has it begins to wait anew
         self.nack_at = 0  # not before
 
     def held_rev(self, layer):
@@ -653,8 +654,11 @@ class Receiver:
         block.arrived = now
         tile.block[half] = block
         if tile.outdated:
-            tile.outdated = tile.held_rev(key[0]) < tile.wanted_rev
-            tile.outdated_since = tile.wanted_since
+            held_rev = tile.held_rev(key[0])
+            tile.outdated = held_rev < tile.wanted_rev
+            if held_rev >= tile.outdated_rev:
+                tile.outdated_since = tile.wanted_since
+                tile.outdated_rev = tile.wanted_rev
             if not tile.outdated:
                 self._outdated.pop(key, None)
 
@@ -693,6 +697,7 @@ class Receiver:
             return
         tile.outdated = True
         tile.outdated_since = now
+        tile.outdated_rev = rev
         tile.nack_at = max(tile.nack_at, now + _NACK_AFTER)
         self._outdated[key] = tile
 

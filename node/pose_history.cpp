@@ -24,6 +24,7 @@ std::optional<UncertainPose> PoseHistory::at(Time time) const {
   const UncertainPose& before = entry(low);
   const UncertainPose& after = entry(high);
   if (after.time == before.time) return before;
+  if (PoseTrack::is_gap({before.time, before.T_map_body}, {after.time, after.T_map_body})) return std::nullopt;
   const double weight = to_seconds(time - before.time) / to_seconds(after.time - before.time);
   const Pose& a = before.T_map_body;
   const Pose& b = after.T_map_body;

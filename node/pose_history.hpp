@@ -29,7 +29,7 @@ class PoseHistory {
   /// `pose.time` must be after newest()'s.
   void add(const StampedPose& pose, const PoseVariance& variance = {}, MonotonicTime delivered = {});
   /// Linear in translation and variance, slerp in rotation, delivered with the later pose; nothing outside the
-  /// history. O(log n). Between poses whose
+  /// history, nor between two that differ and lie more than PoseTrack::kMaxGap apart. O(log n). Between poses whose
   /// errors are one and the same the variance is no larger than that.
   std::optional<UncertainPose> at(Time time) const;
   std::optional<UncertainPose> newest() const;

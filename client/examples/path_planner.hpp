@@ -79,14 +79,14 @@ struct PlanRules {
   /// replans as the map comes. 253 is "for the planner's own use": nobody sends it; it is entered at its own price.
   bool enter_unknown = true;
   double unknown_cost = 200.0;
-  /// Where the vehicle already stands it can stand: within this distance of the start unknown and lethal cells can be
-  /// left, at the price of unknown_cost.
+  /// Where the vehicle already stands it can stand: if the cell it stands on is forbidden, it may leave over forbidden
+  /// cells within this distance, at the price of unknown_cost.
   double start_radius_m = 0.5;
 };
 
 struct Path {
   bool found = false;
-  std::vector<Point> points;  ///< centres of cells from the start's to the goal's
+  std::vector<Point> points;  ///< centres of cells from the start's to the goal's, and the goal
   double length_m = 0.0;
   double price_m = 0.0;  ///< metres with costs in them; what A* made least
 };
@@ -102,11 +102,13 @@ class PathPlanner {
     const int c0 = grid.column_of(start.x_m), r0 = grid.row_of(start.y_m);
     const int c1 = grid.column_of(goal.x_m), r1 = grid.row_of(goal.y_m);
     if (!grid.contains(c0, r0) || !grid.contains(c1, r1)) return {};
-    weigh(grid, start);
     const std::size_t from = grid.index(c0, r0), to = grid.index(c1, r1);
+    weigh(grid, from);
     weight_[from] = std::min(weight_[from], weight_of(rules_.unknown_cost));
-    if (!std::isfinite(weight_[to])) return {};
-    return search(grid, from, to) ? collect(grid, from, to) : Path{};
+    if (!std::isfinite(weight_[to]) || !search(grid, from, to)) return {};
+    Path path = collect(grid, from, to);
+    path.points.push_back(goal);  // the last cell's centre is only near it
+    return path;
   }
 
  private:
@@ -121,7 +123,7 @@ class PathPlanner {
 
   double weight_of(double cost) const { return 1.0 + rules_.cost_weight * cost / 252.0; }
 
-  void weigh(const CostGrid& grid, const Point& start) {
+  void weigh(const CostGrid& grid, std::size_t from) {
     const double forbidden = std::numeric_limits<double>::infinity();
     weight_.resize(grid.cost.size());
     for (std::size_t i = 0; i < grid.cost.size(); ++i) {
@@ -129,9 +131,11 @@ class PathPlanner {
       weight_[i] = cost < kLethal                             ? weight_of(cost)
                    : cost == kUnknown && rules_.enter_unknown ? weight_of(rules_.unknown_cost)
                                                               : forbidden;
-      if (!std::isfinite(weight_[i]) && distance_m(grid.centre(i), start) <= rules_.start_radius_m)
-        weight_[i] = weight_of(rules_.unknown_cost);
     }
+    if (std::isfinite(weight_[from])) return;
+    for (std::size_t i = 0; i < grid.cost.size(); ++i)
+      if (!std::isfinite(weight_[i]) && distance_m(grid.centre(i), grid.centre(from)) <= rules_.start_radius_m)
+        weight_[i] = weight_of(rules_.unknown_cost);
   }
 
   bool search(const CostGrid& grid, std::size_t from, std::size_t to) {

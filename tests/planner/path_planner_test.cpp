@@ -86,9 +86,7 @@ TEST(PathPlanner, FindsThePathThatNoOtherIsCheaperThan) {
 TEST(PathPlanner, DoesNotSqueezeBetweenTwoForbiddenCorners) {
   CostGrid grid = grid_of(10, 10);
   for (int i = 0; i < 10; ++i) grid.cost[grid.index(i, 9 - i)] = kLethal;
-  PlanRules rules;
-  rules.start_radius_m = 0.0;  // else it could leave the corners it stands beside
-  EXPECT_FALSE(PathPlanner(rules).plan(grid, middle(grid, 1, 1), middle(grid, 8, 8)).found);
+  EXPECT_FALSE(PathPlanner().plan(grid, middle(grid, 1, 1), middle(grid, 8, 8)).found);
 }
 
 TEST(PathPlanner, EntersUnknownGroundOnlyWhereTheUserSaysSo) {
@@ -106,6 +104,14 @@ TEST(PathPlanner, LeavesTheLethalCellsItStandsOn) {
     for (int column = 17; column <= 23; ++column) grid.cost[grid.index(column, row)] = kLethal;
   EXPECT_TRUE(PathPlanner().plan(grid, middle(grid, 20, 20), middle(grid, 35, 20)).found);
   EXPECT_FALSE(PathPlanner().plan(grid, middle(grid, 35, 20), middle(grid, 20, 20)).found);
+}
+
+// Standing free beside a wall is no reason to drive over it.
+TEST(PathPlanner, DoesNotCrossAThinLethalWallFromItsFoot) {
+  CostGrid grid = grid_of(40, 20);
+  for (int row = 0; row < 20; ++row)
+    for (int column = 20; column < 23; ++column) grid.cost[grid.index(column, row)] = kLethal;
+  EXPECT_FALSE(PathPlanner().plan(grid, middle(grid, 18, 10), middle(grid, 30, 10)).found);
 }
 
 TEST(PathPlanner, HasNoPathBeyondTheGrid) {
@@ -141,6 +147,24 @@ TEST(Follow, KeepsToThePathAndStopsAtItsEnd) {
   const Posture end = drive_along(path, {{0.0, 0.0}, 0.0}, rules, &aside_m);
   EXPECT_LE(distance_m(end.at, {5.0, 5.0}), rules.goal_radius_m);
   EXPECT_LT(aside_m, rules.look_ahead_m);
+}
+
+// Whatever the goal's place in its cell and the side it is reached from.
+TEST(Follow, ArrivesWithinTheGoalRadiusOfTheGoalItself) {
+  const CostGrid grid = grid_of(80, 80);
+  std::mt19937 random(3);
+  const auto uniform = [&](double from, double to) {
+    return from + (to - from) * static_cast<double>(random()) / 4294967296.0;
+  };
+  const FollowRules rules;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Point goal{uniform(2.0, 4.0), uniform(1.0, 3.0)}, start{uniform(-0.5, 1.0), uniform(-1.0, 5.0)};
+    const Path path = PathPlanner().plan(grid, start, goal);
+    ASSERT_TRUE(path.found);
+    double aside_m = 0.0;
+    const Posture end = drive_along(path, {start, uniform(-3.0, 3.0)}, rules, &aside_m);
+    EXPECT_LE(distance_m(end.at, goal), rules.goal_radius_m) << trial;
+  }
 }
 
 TEST(Follow, TurnsRoundWhenThePathLeadsBackwards) {

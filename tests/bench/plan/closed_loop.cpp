@@ -58,6 +58,7 @@ class Loop {
     outcome_.duration_s = to_seconds(now_ - simulator_.frame_time(0));
     outcome_.path_m = limits_.path_m();
     outcome_.violated_m = limits_.violated_m();
+    outcome_.unjudged = limits_.without_ground();
     return outcome_;
   }
 
@@ -115,10 +116,8 @@ class Loop {
 
 }  // namespace
 
-Outcome drive(const Mission& mission, Rival rival, const BaselineTuning& tuning) {
-  const Ground ground = must(make_ground(mission.spec));
-  const GroundFile file(ground);
-  const auto simulator = must(drivers::Simulator::make(simulator_config(file, mission)));
+Outcome drive(const Mission& mission, const GroundFile& ground, Rival rival, const BaselineTuning& tuning) {
+  const auto simulator = must(drivers::Simulator::make(simulator_config(ground, mission)));
   const auto costs = make_costs(rival, tuning);
   return Loop(mission, simulator, *costs).run();
 }
