@@ -81,7 +81,7 @@ struct PlanRules {
   double unknown_cost = 200.0;
   /// Where the vehicle already stands it can stand: if the cell it stands on is forbidden, it may leave over forbidden
   /// cells within this distance, at the price of unknown_cost.
-  double start_radius_m = 0.5;
+  double start_radius_m = 1.0;
 };
 
 struct Path {

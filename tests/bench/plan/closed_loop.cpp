@@ -48,7 +48,8 @@ class Loop {
         costs_(costs),
         robot_(must(drivers::DrivenRobot::make(simulator.terrain(), place(simulator), {}, {}, 1))),
         way_(node::as_driven(simulator, robot_)),
-        limits_(simulator.terrain(), {}) {}
+        limits_(simulator.terrain(), {}),
+        at_m_(robot_.truth().back().T_map_body.translation_m) {}
 
   Outcome run() {
     for (std::size_t i = 0; !done_; ++i) {
@@ -56,7 +57,7 @@ class Loop {
       if (!done_) look(i);
     }
     outcome_.duration_s = to_seconds(now_ - simulator_.frame_time(0));
-    outcome_.path_m = limits_.path_m();
+    outcome_.path_m = path_m_;
     outcome_.violated_m = limits_.violated_m();
     outcome_.unjudged = limits_.without_ground();
     return outcome_;
@@ -73,7 +74,9 @@ class Loop {
     while (now_ < end && !done_) {
       const Pose& pose = robot_.truth().back().T_map_body;
       const Posture posture = posture_of(pose);
-      limits_.add(pose);
+      path_m_ += (pose.translation_m - at_m_).norm();
+      at_m_ = pose.translation_m;
+      if (scree_example::distance_m(posture.at, mission_.start) > kBlind_m) limits_.add(pose);
       outcome_.arrived = scree_example::distance_m(posture.at, mission_.goal) <= follow_.goal_radius_m;
       done_ = outcome_.arrived || to_seconds(now_ - simulator_.frame_time(0)) > kLimit_s;
       const auto drive = path_.found ? scree_example::follow(path_, posture, follow_) : scree_example::Drive{};
@@ -104,6 +107,8 @@ class Loop {
   drivers::DrivenRobot robot_;
   std::unique_ptr<node::RobotWay> way_;
   node::GroundLimits limits_;
+  Eigen::Vector3d at_m_;
+  double path_m_ = 0.0;
   scree_example::PathPlanner planner_;
   scree_example::FollowRules follow_;
   scree_example::CostGrid grid_;

@@ -23,6 +23,8 @@ struct Outcome {
 /// A lidar of 64 rows every kFrame_s, a plan for every map, a command every 50 ms; exact poses. Ends at the goal, after
 /// kLimit_s, or when there was no path for ten frames.
 Outcome drive(const Mission& mission, const GroundFile& ground, Rival rival, const BaselineTuning& tuning);
+/// What the lidar cannot see from the start, whatever its costs: not counted as beyond a limit.
+inline constexpr double kBlind_m = 3.5;
 inline constexpr double kFrame_s = 1.0, kLimit_s = 90.0;
 
 }  // namespace scree::bench
