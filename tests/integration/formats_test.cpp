@@ -88,18 +88,20 @@ TEST(Formats, PcdDirectory) {
   EXPECT_EQ(map.facts["cells_measured"], 1600);
 }
 
-/// A smooth surface, nearer at the top.
-Grid<std::uint16_t> any_ranges(int side) {
-  Grid<std::uint16_t> raw(side, side, 2000);
+/// A bowl around the scanner that widens to the right and downwards: no pixel looks through another's surface, which
+/// ground below passing rays would contradict.
+Grid<std::uint16_t> bowl(int side) {
+  Grid<std::uint16_t> raw(side, side);
   for (int row = 0; row < side; ++row)
-    for (int column = 0; column < side; ++column) raw(row, column) = static_cast<std::uint16_t>(1000 + 2 * row);
+    for (int column = 0; column < side; ++column)
+      raw(row, column) = static_cast<std::uint16_t>(600 + column / 4 + row / 8);
   return raw;
 }
 
 std::string encoded(drivers::RangeFileLayout layout, int side) {
   drivers::RangeFile file;
   file.layout = layout;
-  file.raw = any_ranges(side);
+  file.raw = bowl(side);
   const auto bytes = drivers::encode_range_file(file);
   EXPECT_TRUE(bytes);
   return {bytes->begin(), bytes->end()};
