@@ -38,6 +38,7 @@ struct PlanOptions {
   double speed_mps = 0.7;
   double cost_weight = 6.0;
   double limit_s = 300.0;
+  double max_pose_age_s = 0.5;
   std::string terrain;
   std::optional<std::string> picture;
   std::optional<std::string> track;
@@ -89,6 +90,7 @@ Result<DriverConfig> parse_config(const PlanOptions& options) {
   config.plan.cost_weight = options.cost_weight;
   config.plan.enter_unknown = options.unknown == "enter";
   config.follow.speed_mps = options.speed_mps;
+  config.max_pose_age_s = options.max_pose_age_s;
   return config;
 }
 
@@ -181,6 +183,9 @@ Command add_plan(CLI::App& app) {
   command->add_option("--speed", options->speed_mps, "m/s on straight ways; default 0.7")
       ->check(CLI::Range(0.05, 10.0))
       ->type_name("V");
+  command->add_option("--max-pose-age", options->max_pose_age_s, "Stand still with an older pose; default 0.5")
+      ->check(CLI::Range(0.05, 60.0))
+      ->type_name("S");
   command->add_option("--limit", options->limit_s, "Give up after this long; default 300")
       ->check(CLI::Range(1.0, 1e6))
       ->type_name("S");

@@ -50,8 +50,9 @@ TEST(Top, ShowsARunningNode) {
   write_file(folder / "robot.yaml",
              "source: {kind: simulated, terrain: \"fbm:2.3,0.1,7,20,0.1\", sensor: perceptron-cmu, "
              "trajectory: \"line:-5,0,0,8,0.1\"}\n");
-  Process node(
-      live(folder / "robot.yaml", ear, {"--set", "publish.listen=127.0.0.1:0", "--set", "node.sensor_stale_ms=60000"}));
+  Process node(live(folder / "robot.yaml", ear,
+                    {"--set", "publish.listen=127.0.0.1:0", "--set", "node.sensor_stale_ms=60000", "--set",
+                     "node.sensor_lost_ms=60000"}));
   const auto listening = [&] { return node.err().find("listening at ") != std::string::npos; };
   ASSERT_TRUE(ear.until([&] { return listening() && ear->last_valid_map() != nullptr; })) << node.err();
   const std::string log = node.err();
