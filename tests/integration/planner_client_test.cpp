@@ -105,7 +105,7 @@ TEST(PlannerClient, BehindABadNetworkIsCurrentWithinASecond) {
   }));
   fmt::print("{} changes, {} missed\n", currency.changes, currency.missed);
   EXPECT_GT(currency.changes, 500U);
-  EXPECT_LE(static_cast<double>(currency.missed), 0.02 * static_cast<double>(currency.changes));
+  EXPECT_LE(static_cast<double>(currency.missed), 0.01 * static_cast<double>(currency.changes));
 }
 
 TEST(PlannerClient, BlackOutMakesEveryCellUnknownWithin1050Ms) {
