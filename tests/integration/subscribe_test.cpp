@@ -111,7 +111,9 @@ TEST(Subscribe, ListenerGetsTheMapOfANodeThatSendsElsewhere) {
   const json statistics = node.stop();
   EXPECT_EQ(statistics["clients"]["begun"], 1);
   EXPECT_EQ(statistics["clients"]["ended"], 1) << "the listener says that it goes";
-  EXPECT_EQ(statistics["clients"]["cookies"], 1);
+  // A listener that is scheduled late asks again before it has read the answer: a cookie each, no more.
+  EXPECT_GE(statistics["clients"]["cookies"], 1);
+  EXPECT_LE(statistics["clients"]["cookies"], client["client"]["subscribes"]);
   EXPECT_GT(statistics["publisher"]["poses"], 20);
   EXPECT_GT(statistics["publisher"]["blocks_repeated"], 0);
   EXPECT_GT(statistics["latency_out_ms"]["p50"], 0.0);
