@@ -29,6 +29,10 @@ struct RangeFrame {
   std::vector<Time> row_time;    ///< one per row
   std::vector<Pose> T_map_body;  ///< one per row, interpolated to row_time
   PoseVariance pose_variance;    ///< of the last row; an error that the whole frame shares
+
+  /// The counts that range_m was made of, as the device told them, for whoever records the frame; empty = not kept.
+  Grid<std::uint16_t> raw;
+  Grid<std::uint16_t> reflectance;  ///< the same; empty = the device tells none
 };
 
 }  // namespace scree
