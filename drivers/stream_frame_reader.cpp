@@ -11,10 +11,6 @@
 namespace scree::drivers::stream {
 namespace {
 
-bool is_perceptron(ProjectionKind kind) {
-  return kind == ProjectionKind::perceptron_usf || kind == ProjectionKind::perceptron_cmu;
-}
-
 bool in_time(Time time) {
   return time.time_since_epoch() <= kMaxTime && time.time_since_epoch() >= -kMaxTime;
 }
@@ -141,7 +137,8 @@ bool FrameReader::read_poses() {
                     fmt::format("({}, {}, {}), norm {}", t.x(), t.y(), t.z(), q.norm()));
     if (!in_time(pose.time) || (!poses_.empty() && pose.time <= poses_.back().time))
       return refuse("pose times", "increasing Unix times", seconds(pose.time));
-    pose.T_map_body.rotation = q.normalized();  // as PoseTrack does it: a recording of the frame gives the same bits
+    pose.T_map_body.rotation = q;
+    normalise(pose.T_map_body);  // as PoseTrack does it: a recording of the frame gives the same bits
     poses_.push_back(pose);
   }
   return true;

@@ -38,7 +38,7 @@ const std::map<std::string, Rule> kFolders{
        "client", "client/examples"},
       {"Eigen/", "fmt/", "CLI/", "spdlog/", "nlohmann/", "sodium.h", "zlib.h", "sys/socket.h", "netinet/",
        "arpa/inet.h", "netdb.h", "sys/random.h", "sys/timex.h", "sys/epoll.h", "sys/eventfd.h", "sys/signalfd.h",
-       "poll.h"}}},
+       "poll.h", "pthread.h"}}},
     {"client/examples", {{"client", "client/examples"}, {}}},
     {"client",
      {{}, {"sys/socket.h", "netinet/in.h", "arpa/inet.h", "poll.h", "sys/random.h", "time.h"}}},
@@ -56,6 +56,7 @@ const std::map<std::string, Rule> kAdapters{
     {"drivers/checksum.cpp", {{}, {"zlib.h"}}},
     {"drivers/stream_socket.cpp", {{}, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/inet.h", "poll.h"}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
+    {"node/service_notify.cpp", {{}, {"sys/un.h"}}},
 };
 
 /// C++20 and C headers, and the POSIX ones for files and processes.
