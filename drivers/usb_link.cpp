@@ -50,7 +50,7 @@ Result<std::unique_ptr<Link>> Link::open(Context& context, const DeviceRef& devi
   auto transfers = Transfers::make(link->handle_, *interface);
   if (!transfers) return transfers.error();
   link->transfers_ = *std::move(transfers);
-  if (auto status = link->submit(); !status) return status.error();
+  if (auto status = link->resume(); !status) return status.error();
   if (auto status = link->set_streaming(true); !status) return status.error();
   return link;
 }
@@ -113,17 +113,17 @@ Status Link::submit() {
   return code == 0 ? Status() : failed("submit a transfer", code);
 }
 
-Status Link::recover() {
-  if (!drain())
-    return Error{ErrorKind::unavailable, fmt::format("expected {} cancelled transfers back within {} ms, found none",
-                                                     transfers_->in_flight(), kDrainTimeout.count())};
+Status Link::resume() {
   if (auto status = clear_halt(); !status) return status;
   return submit();
 }
 
 Status Link::restart_stream() {
   if (auto status = set_streaming(false); !status) return status;
-  if (auto status = recover(); !status) return status;
+  if (!drain())
+    return Error{ErrorKind::unavailable, fmt::format("expected all cancelled transfers back within {} ms, found {} not",
+                                                     kDrainTimeout.count(), transfers_->in_flight())};
+  if (auto status = resume(); !status) return status;
   return set_streaming(true);
 }
 

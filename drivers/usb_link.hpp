@@ -36,9 +36,10 @@ class Link {
   Link& operator=(const Link&) = delete;
 
   Transfers& transfers() { return *transfers_; }
-  /// After a stall or another error of a transfer: all back, clear_halt, all submitted anew. Bytes in flight are lost.
-  Status recover();
-  /// A silent device: as recover(), and SET_STREAMING 0, 1 in between.
+  /// After a stall or another error of a transfer, once all are back: clear_halt, all submitted anew.
+  Status resume();
+  /// A silent device: SET_STREAMING 0, all transfers back within kDrainTimeout and forgotten, resume(),
+  /// SET_STREAMING 1.
   Status restart_stream();
   /// Resets the device's port. It may come back as another device: close the link after it.
   void reset();

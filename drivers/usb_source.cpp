@@ -110,35 +110,58 @@ class UsbSource final : public Source {
     }
     if (context_->left()) return departed();
     const auto now = MonotonicClock::now();
-    const MonotonicTime silent = last_good_ + deadline_;
-    if (now >= silent) return silence();
-    context_->handle_events(std::chrono::ceil<milliseconds>(std::min(deadline, silent) - now));
+    MonotonicTime limit = last_good_ + deadline_;
+    if (recovering_) {
+      if (link_->transfers().in_flight() == 0) return recovered();
+      limit = recover_by_;
+      if (now >= limit) return disconnect(*recovering_ + "; a cancelled transfer did not come back");
+    } else if (now >= limit) {
+      return silence();
+    }
+    context_->handle_events(std::chrono::ceil<milliseconds>(std::min(deadline, limit) - now));
     return std::nullopt;
   }
 
   /// With the oldest transfer, whose bytes have all been decoded.
   std::optional<SourceEvent> finish(TransferStatus status) {
     if (status == TransferStatus::no_device) return departed();
+    const bool asked_for = recovering_ && status == TransferStatus::cancelled;
+    const bool good = status == TransferStatus::completed || asked_for;
     if (status == TransferStatus::stalled)
       ++counters_.stalls;
     else if (status == TransferStatus::overflow)
       ++counters_.overflows;
-    else if (status != TransferStatus::completed)
+    else if (!good)
       ++counters_.transfer_errors;
-    if (status != TransferStatus::completed && status != TransferStatus::timed_out)
-      return recover(fmt::format("a transfer came back: {}", usb::to_string(status)));
+    if (!good && status != TransferStatus::timed_out && !recovering_) {
+      if (auto gave_up = recover(fmt::format("a transfer came back: {}", usb::to_string(status)))) return gave_up;
+    }
+    if (recovering_) {
+      link_->transfers().retire();
+      return std::nullopt;
+    }
     const int code = link_->transfers().release();
     if (code == 0) return std::nullopt;
     ++counters_.transfer_errors;
     return recover(fmt::format("submitting a transfer: {}", usb::error_name(code)));
   }
 
-  /// Nothing is told of a recovery that works: it is counted. Unplugging often begins like this.
-  std::optional<SourceEvent> recover(const std::string& why) {
+  /// Asks for all transfers back; their bytes are used as they come. Nothing is told of a recovery that works: it is
+  /// counted. Unplugging often begins like this.
+  std::optional<SourceEvent> recover(std::string why) {
     if (context_->left()) return departed();
     if (++recoveries_ > kRecoveriesInARow)
       return disconnect(fmt::format("{}, {} times without a good message", why, recoveries_));
-    const auto status = link_->recover();
+    link_->transfers().cancel();
+    recovering_ = std::move(why);
+    recover_by_ = MonotonicClock::now() + usb::kDrainTimeout;
+    return std::nullopt;
+  }
+
+  /// All transfers are back and their bytes used.
+  std::optional<SourceEvent> recovered() {
+    const auto why = *std::exchange(recovering_, std::nullopt);
+    const auto status = link_->resume();
     if (status) return std::nullopt;
     if (context_->left() || link_->gone()) return departed();
     return disconnect(fmt::format("{}; {}", why, status.error().message));
@@ -167,6 +190,7 @@ class UsbSource final : public Source {
     link_.reset();
     events_.disconnect();
     taken_.reset();
+    recovering_.reset();
     retry_.wait();
     return events_.notice(why + "; connecting again");
   }
@@ -178,7 +202,9 @@ class UsbSource final : public Source {
   std::optional<TransferStatus> taken_;  ///< of the oldest transfer, whose bytes are being decoded
   Retry retry_;
   MonotonicTime last_good_{};
-  int recoveries_ = 0;
+  std::optional<std::string> recovering_;  ///< why; all transfers have been asked back
+  MonotonicTime recover_by_{};
+  int recoveries_ = 0;      ///< since the last good message
   bool restarted_ = false;  ///< since the last good message
   std::string said_;        ///< why the device is not there, as last told
   UsbCounters counters_;

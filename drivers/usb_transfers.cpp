@@ -134,9 +134,13 @@ std::optional<Completion> Transfers::front() const {
 
 int Transfers::release() {
   Slot& slot = *slots_[head_];
-  slot.state = Slot::State::idle;
-  head_ = (head_ + 1) % kTransfers;
+  retire();
   return submit(slot);
+}
+
+void Transfers::retire() {
+  slots_[head_]->state = Slot::State::idle;
+  head_ = (head_ + 1) % kTransfers;
 }
 
 void Transfers::cancel() {

@@ -47,6 +47,8 @@ class Transfers {
   std::optional<Completion> front() const;
   /// The oldest one's bytes were used: it is submitted behind the others. The code of libusb; if not 0 it is idle.
   int release();
+  /// The oldest one's bytes were used: it is idle.
+  void retire();
   /// Asks for all back. They come as events are handled, each with what had arrived.
   void cancel();
   /// What came back is idle, its bytes forgotten. Only with none in flight.

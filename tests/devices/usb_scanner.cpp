@@ -14,7 +14,7 @@ namespace {
 namespace usb = drivers::usb;
 
 /// A camera's interface first, as in a composite device: the scanner's is number 1.
-Bytes descriptors() {
+Bytes descriptors(std::uint8_t protocol, std::uint8_t endpoint_type) {
   Bytes out{18,
             1,
             0x00,
@@ -35,8 +35,8 @@ Bytes descriptors() {
             1};
   const Bytes configuration{9, 2, 34, 0, 2, 1, 0, 0x80, 50};
   const Bytes camera{9, 4, 0, 0, 0, 0x0E, 1, 0, 0};
-  const Bytes scanner{9, 4, 1, 0, 1, usb::kInterfaceClass, usb::kInterfaceSubclass, usb::kInterfaceProtocol, 0};
-  const Bytes endpoint{7, 5, usb::kFrameEndpoint, 2, 0x00, 0x02, 0};
+  const Bytes scanner{9, 4, 1, 0, 1, usb::kInterfaceClass, usb::kInterfaceSubclass, protocol, 0};
+  const Bytes endpoint{7, 5, usb::kFrameEndpoint, endpoint_type, 0x00, 0x02, 0};
   for (const Bytes* part : {&configuration, &camera, &scanner, &endpoint})
     out.insert(out.end(), part->begin(), part->end());
   return out;
@@ -78,7 +78,7 @@ void UsbScanner::plug(bool announce) {
   ASSERT_NE(path, nullptr);
   syspath_ = path;
   g_free(path);
-  Bytes bytes = descriptors();
+  Bytes bytes = descriptors(state_.protocol, state_.endpoint_type);
   umockdev_testbed_set_attribute_binary(bed_.get(), syspath_.c_str(), "descriptors", bytes.data(),
                                         static_cast<gint>(bytes.size()));
   GError* error = nullptr;

@@ -22,6 +22,8 @@ using Bytes = std::vector<std::uint8_t>;
 struct ScannerState {
   // what it does
   Bytes info{1, 0, 0, 0, 0, 0, 0x10, 1};
+  std::uint8_t protocol = drivers::usb::kInterfaceProtocol;
+  std::uint8_t endpoint_type = 2;    ///< bulk
   int claim_error = 0;               ///< errno
   int submit_error = 0;              ///< errno
   bool keeps_transfers = false;      ///< a cancelled transfer does not come back
