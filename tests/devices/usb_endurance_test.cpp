@@ -42,6 +42,17 @@ struct Holdings {
   friend std::ostream& operator<<(std::ostream& out, const Holdings& h) {
     return out << h.descriptors << " descriptors, " << h.threads << " threads, " << h.transfers << " transfers";
   }
+  /// Unchanged for 200 ms.
+  static Holdings settled() {
+    Holdings last;
+    for (int same = 0; same < 20;) {
+      std::this_thread::sleep_for(milliseconds(10));
+      const Holdings now;
+      same = now == last ? same + 1 : 0;
+      last = now;
+    }
+    return last;
+  }
   static void expect_again(const Holdings& before) {
     for (int i = 0; i < 500 && !(Holdings() == before); ++i) std::this_thread::sleep_for(milliseconds(10));
     EXPECT_EQ(Holdings(), before);
@@ -61,8 +72,7 @@ TEST_F(UsbTest, AThousandUnplugsLeaveNothingBehind) {
     if (i % 3 == 0) scanner_.send(stream::Bytes(20));  // and in the middle of something
     scanner_.unplug();
     expect_notice("has gone");
-    if (i == 0) before = Holdings();  // warm: the frame, libusb's tables
-    if (i == 0) std::this_thread::sleep_for(milliseconds(100)), before = Holdings();
+    if (i == 0) before = Holdings::settled();  // warm: frames, libusb's tables
   }
   EXPECT_EQ(counted("departures"), kCycles + 1u);
   EXPECT_EQ(before.transfers, 0u);
@@ -82,7 +92,7 @@ TEST_F(UsbTest, AThousandStartsAndStopsLeaveNothingBehind) {
     source_.reset();
     EXPECT_FALSE(scanner_.state().streaming);
     EXPECT_EQ(scanner_.state().in_flight, 0u) << "drained before it was closed";
-    if (i == 0) std::this_thread::sleep_for(milliseconds(100)), before = Holdings();
+    if (i == 0) before = Holdings::settled();  // warm: frames, libusb's tables
   }
   EXPECT_EQ(before.transfers, 0u);
   Holdings::expect_again(before);

@@ -157,6 +157,7 @@ long UsbScanner::handle(unsigned long request, void* argument) {
       return claim();
     case USBDEVFS_RELEASEINTERFACE:
       state_.claims = 0;
+      waiting_.clear();  // the kernel kills what is in flight; nobody asks for it between this and closing
       return 0;
     case USBDEVFS_CLEAR_HALT:
       ++state_.clear_halts;
