@@ -86,7 +86,7 @@ std::string failure(const Address& address, int interface, const char* what, int
   if (code == LIBUSB_ERROR_ACCESS)
     return fmt::format(
         "{}: expected permission to read and write, found none; copy launch/99-scree.rules to "
-        "/etc/udev/rules.d, run 'udevadm control --reload' and plug the scanner in again",
+        "/etc/udev/rules.d, run 'udevadm control --reload', plug the scanner in again and be in group plugdev",
         address.node());
   if (code == LIBUSB_ERROR_BUSY)
     return fmt::format("{}: expected interface {} to be free, found it in use by another program or driver",

@@ -12,7 +12,7 @@ namespace scree::drivers {
 namespace {
 
 using std::chrono::milliseconds;
-using usb::TransferStatus;
+using usb::TransferEnd;
 
 /// So many recoveries without a good message between them, and the device is closed.
 constexpr int kRecoveriesInARow = 4;
@@ -123,17 +123,17 @@ class UsbSource final : public Source {
   }
 
   /// With the oldest transfer, whose bytes have all been decoded.
-  std::optional<SourceEvent> finish(TransferStatus status) {
-    if (status == TransferStatus::no_device) return departed();
-    const bool asked_for = recovering_ && status == TransferStatus::cancelled;
-    const bool good = status == TransferStatus::completed || asked_for;
-    if (status == TransferStatus::stalled)
+  std::optional<SourceEvent> finish(TransferEnd status) {
+    if (status == TransferEnd::no_device) return departed();
+    const bool asked_for = recovering_ && status == TransferEnd::cancelled;
+    const bool good = status == TransferEnd::completed || asked_for;
+    if (status == TransferEnd::stalled)
       ++counters_.stalls;
-    else if (status == TransferStatus::overflow)
+    else if (status == TransferEnd::overflow)
       ++counters_.overflows;
     else if (!good)
       ++counters_.transfer_errors;
-    if (!good && status != TransferStatus::timed_out && !recovering_) {
+    if (!good && status != TransferEnd::timed_out && !recovering_) {
       if (auto gave_up = recover(fmt::format("a transfer came back: {}", usb::to_string(status)))) return gave_up;
     }
     if (recovering_) {
@@ -198,8 +198,8 @@ class UsbSource final : public Source {
   milliseconds deadline_;
   std::unique_ptr<usb::Context> context_;
   StreamEvents events_;
-  std::unique_ptr<usb::Link> link_;      ///< null = not connected
-  std::optional<TransferStatus> taken_;  ///< of the oldest transfer, whose bytes are being decoded
+  std::unique_ptr<usb::Link> link_;   ///< null = not connected
+  std::optional<TransferEnd> taken_;  ///< of the oldest transfer, whose bytes are being decoded
   Retry retry_;
   MonotonicTime last_good_{};
   std::optional<std::string> recovering_;  ///< why; all transfers have been asked back

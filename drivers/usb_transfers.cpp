@@ -11,24 +11,24 @@ namespace {
 std::atomic<std::size_t> live_transfers{0};
 std::atomic<std::size_t> abandoned_transfers{0};
 
-TransferStatus status_of(libusb_transfer_status status) {
+TransferEnd status_of(libusb_transfer_status status) {
   switch (status) {
     case LIBUSB_TRANSFER_COMPLETED:
-      return TransferStatus::completed;
+      return TransferEnd::completed;
     case LIBUSB_TRANSFER_TIMED_OUT:
-      return TransferStatus::timed_out;
+      return TransferEnd::timed_out;
     case LIBUSB_TRANSFER_STALL:
-      return TransferStatus::stalled;
+      return TransferEnd::stalled;
     case LIBUSB_TRANSFER_OVERFLOW:
-      return TransferStatus::overflow;
+      return TransferEnd::overflow;
     case LIBUSB_TRANSFER_NO_DEVICE:
-      return TransferStatus::no_device;
+      return TransferEnd::no_device;
     case LIBUSB_TRANSFER_CANCELLED:
-      return TransferStatus::cancelled;
+      return TransferEnd::cancelled;
     case LIBUSB_TRANSFER_ERROR:
       break;
   }
-  return TransferStatus::error;
+  return TransferEnd::error;
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ struct Transfers::Slot {
   libusb_transfer* transfer;
   std::vector<std::uint8_t> buffer;
   State state = State::idle;
-  TransferStatus status = TransferStatus::completed;
+  TransferEnd status = TransferEnd::completed;
   std::size_t bytes = 0;
   std::size_t* in_flight = nullptr;  ///< to be told; null = nobody is left
 };
@@ -62,21 +62,21 @@ struct Transfers::Callbacks {
   }
 };
 
-const char* to_string(TransferStatus status) {
+const char* to_string(TransferEnd status) {
   switch (status) {
-    case TransferStatus::completed:
+    case TransferEnd::completed:
       return "completed";
-    case TransferStatus::timed_out:
+    case TransferEnd::timed_out:
       return "timed out";
-    case TransferStatus::stalled:
+    case TransferEnd::stalled:
       return "stalled";
-    case TransferStatus::overflow:
+    case TransferEnd::overflow:
       return "overflow";
-    case TransferStatus::error:
+    case TransferEnd::error:
       return "error";
-    case TransferStatus::no_device:
+    case TransferEnd::no_device:
       return "no device";
-    case TransferStatus::cancelled:
+    case TransferEnd::cancelled:
       break;
   }
   return "cancelled";

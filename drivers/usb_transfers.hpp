@@ -21,12 +21,12 @@ namespace scree::drivers::usb {
 inline constexpr std::size_t kTransfers = 8;
 inline constexpr std::size_t kTransferBytes = std::size_t{64} << 10;
 
-enum class TransferStatus : std::uint8_t { completed, timed_out, stalled, overflow, error, no_device, cancelled };
-const char* to_string(TransferStatus status);
+enum class TransferEnd : std::uint8_t { completed, timed_out, stalled, overflow, error, no_device, cancelled };
+const char* to_string(TransferEnd status);
 
 /// A transfer that has come back. `bytes` hold until Transfers::release().
 struct Completion {
-  TransferStatus status = TransferStatus::completed;
+  TransferEnd status = TransferEnd::completed;
   std::span<const std::uint8_t> bytes;  ///< what arrived, also if the status is another; may be none
 };
 
