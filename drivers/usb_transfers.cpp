@@ -99,7 +99,7 @@ Transfers::~Transfers() {
   for (auto& slot : slots_) {
     if (!slot || slot->state != Slot::State::in_flight) continue;
     static std::mutex mutex;
-    static std::vector<std::unique_ptr<Slot>>& kept = *new std::vector<std::unique_ptr<Slot>>;  // for good
+    static auto& kept = *std::make_unique<std::vector<std::unique_ptr<Slot>>>().release();  // for good
     const std::lock_guard lock(mutex);
     ++abandoned_transfers;
     slot->in_flight = nullptr;
