@@ -174,16 +174,21 @@ bool FrameReader::place_rows(RangeFrame& frame) {
 }
 
 bool FrameReader::read_words(RangeFrame& frame) {
-  frame.range_m.reshape(projection_->rows, projection_->columns);
+  const int rows = projection_->rows, columns = projection_->columns;
+  const bool reflects = word_bytes_ == 4;
+  frame.range_m.reshape(rows, columns);
+  frame.raw.reshape(rows, columns);
+  frame.reflectance.reshape(reflects ? rows : 0, reflects ? columns : 0);
   const RangeLaw law{projection_->range_offset_m.data(), projection_->range_per_count_m.data(),
                      static_cast<std::int32_t>(projection_->config.invalid_raw)};
+  const PixelsOut out{frame.range_m.data(), frame.raw.data(), frame.reflectance.data()};
   const std::size_t pixels = frame.range_m.size();
-  if (word_bytes_ == 4) {
+  if (reflects) {
     ranges_of_words(words_.data(), pixels, law, reflectance_shift_,
-                    static_cast<std::uint32_t>(sensor_->filter.min_reflectance), frame.range_m.data());
+                    static_cast<std::uint32_t>(sensor_->filter.min_reflectance), out);
     return true;
   }
-  const std::uint16_t any = ranges_of_counts(words_.data(), pixels, law, frame.range_m.data());
+  const std::uint16_t any = ranges_of_counts(words_.data(), pixels, law, out);
   if (any <= kRangeBits || !is_perceptron(projection_->config.kind)) return true;
   return refuse("words", "counts of 0 … 4095", "a larger one");
 }

@@ -40,8 +40,7 @@ const std::map<std::string, Rule> kFolders{
        "arpa/inet.h", "netdb.h", "sys/random.h", "sys/timex.h", "sys/epoll.h", "sys/eventfd.h", "sys/signalfd.h",
        "poll.h", "pthread.h"}}},
     {"client/examples", {{"client", "client/examples"}, {}}},
-    {"client",
-     {{}, {"sys/socket.h", "netinet/in.h", "arpa/inet.h", "poll.h", "sys/random.h", "time.h"}}},
+    {"client", {{}, {"sys/socket.h", "netinet/in.h", "arpa/inet.h", "poll.h", "sys/random.h", "time.h"}}},
 };
 
 /// Adapter files: what each may include beyond its folder's rule.
@@ -55,6 +54,11 @@ const std::map<std::string, Rule> kAdapters{
     {"drivers/terrain_load.cpp", {{"fractal"}, {}}},
     {"drivers/checksum.cpp", {{}, {"zlib.h"}}},
     {"drivers/stream_socket.cpp", {{}, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/inet.h", "poll.h"}}},
+    {"drivers/usb_context.cpp", {{}, {"libusb.h"}}},
+    {"drivers/usb_devices.cpp", {{}, {"libusb.h"}}},
+    {"drivers/usb_interface.cpp", {{}, {"libusb.h"}}},
+    {"drivers/usb_link.cpp", {{}, {"libusb.h"}}},
+    {"drivers/usb_transfers.cpp", {{}, {"libusb.h"}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
     {"node/service_notify.cpp", {{}, {"sys/un.h"}}},
 };
