@@ -1,0 +1,22 @@
+// The testbed itself: what the other tests here stand on.
+
+#include "tests/devices/testbed.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+
+namespace scree {
+namespace {
+
+TEST(Testbed, ItsFilesAreTheDevicesOfTheProcess) {
+  const test::Testbed bed;
+  EXPECT_FALSE(std::filesystem::exists("/dev/scree-test-node"));
+  std::filesystem::create_directories(bed.root() + "/dev");
+  std::ofstream(bed.root() + "/dev/scree-test-node") << "x";
+  EXPECT_TRUE(std::filesystem::exists("/dev/scree-test-node"));
+  EXPECT_FALSE(std::filesystem::exists("/dev/tty0"));  // the machine's own are hidden
+}
+
+}  // namespace
+}  // namespace scree
