@@ -55,6 +55,9 @@ const std::map<std::string, Rule> kAdapters{
     {"drivers/terrain_load.cpp", {{"fractal"}, {}}},
     {"drivers/checksum.cpp", {{}, {"zlib.h"}}},
     {"drivers/stream_socket.cpp", {{}, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/inet.h", "poll.h"}}},
+    {"drivers/v4l2_handle.cpp", {{}, {"poll.h", "sys/ioctl.h"}}},
+    {"drivers/v4l2_capabilities.cpp", {{}, {"linux/videodev2.h"}}},
+    {"drivers/v4l2_device.cpp", {{}, {"linux/videodev2.h", "sys/mman.h"}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
 };
 
