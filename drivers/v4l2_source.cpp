@@ -179,6 +179,8 @@ Status check(const V4l2SourceConfig& config) {
     return wrong(fmt::format("projection: expected pinhole, found {}", to_string(projection.kind)));
   if (!config.format.empty() && !v4l2::range_format(config.format))
     return wrong(fmt::format("format: expected {}, or none, found '{}'", v4l2::kRangeFormatNames, config.format));
+  if (config.deadline < milliseconds(1))
+    return wrong(fmt::format("deadline: expected 1 ms or more, found {} ms", config.deadline.count()));
   if (!(config.rate_hz >= 0.0 && config.rate_hz <= 10'000.0))
     return wrong(fmt::format("rate_hz: expected 0 … 10000, found {}", config.rate_hz));
   if (config.rate_hz > 0.0 && std::chrono::duration<double>(1.0 / config.rate_hz) >= config.deadline)

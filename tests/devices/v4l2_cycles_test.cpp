@@ -78,8 +78,8 @@ TEST(V4l2Cycles, ARefusedNegotiationLeavesNothingAtAnyStep) {
   const auto source = opened(test_config());
   next_of(*source, Kind::notice);
   const auto open = test::resources(camera.file());
-  for (const unsigned long step : {VIDIOC_QUERYCAP, VIDIOC_G_FMT, VIDIOC_S_FMT, VIDIOC_REQBUFS, VIDIOC_QUERYBUF,
-                                   VIDIOC_QBUF, VIDIOC_STREAMON}) {
+  for (const unsigned long step :
+       {VIDIOC_QUERYCAP, VIDIOC_G_FMT, VIDIOC_S_FMT, VIDIOC_REQBUFS, VIDIOC_QUERYBUF, VIDIOC_QBUF, VIDIOC_STREAMON}) {
     next_of(*source, Kind::frame);  // so that retries begin at the first again
     camera.fail(VIDIOC_DQBUF, EIO, 1);
     next_of(*source, Kind::notice);

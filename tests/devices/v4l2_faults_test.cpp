@@ -87,7 +87,8 @@ TEST(V4l2Refusal, WhatNoDeviceCanMendIsAnError) {
               HasSubstr("expected Z16, Y16 or Y12, or none, found 'MJPG'"));
   EXPECT_THAT(message([](auto& c) { c.rate_hz = 0.4; }), HasSubstr("within the deadline of 2000 ms, found 0.4 Hz"));
   EXPECT_THAT(message([](auto& c) { c.rate_hz = -1.0; }), HasSubstr("rate_hz"));
-  EXPECT_THAT(message([](auto& c) { c.device = ""; }), HasSubstr("device"));
+  EXPECT_THAT(message([](auto& c) { c.device = ""; }), HasSubstr("device: expected the path"));
+  EXPECT_THAT(message([](auto& c) { c.deadline = milliseconds(0); }), HasSubstr("deadline: expected 1 ms or more"));
   EXPECT_EQ(message([](auto& c) { c.sensor.projection.trusted_rows = 480; }), "none");  // it depends on the size
 }
 
