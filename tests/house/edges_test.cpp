@@ -59,6 +59,9 @@ const std::map<std::string, Rule> kAdapters{
     {"drivers/usb_interface.cpp", {{}, {"libusb.h"}}},
     {"drivers/usb_link.cpp", {{}, {"libusb.h"}}},
     {"drivers/usb_transfers.cpp", {{}, {"libusb.h"}}},
+    {"drivers/v4l2_handle.cpp", {{}, {"poll.h", "sys/ioctl.h"}}},
+    {"drivers/v4l2_capabilities.cpp", {{}, {"linux/videodev2.h"}}},
+    {"drivers/v4l2_device.cpp", {{}, {"linux/videodev2.h", "sys/mman.h"}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
     {"node/service_notify.cpp", {{}, {"sys/un.h"}}},
 };
