@@ -40,6 +40,7 @@ TEST_F(UsbTest, ADeviceThatNobodyAnnouncesIsFoundToo) {
   expect_notice("connected");
 }
 
+/// libusb mostly notices itself that it knows the device; the source does not look at arrivals while one is open.
 TEST_F(UsbTest, ASecondArrivalOfTheSameDeviceChangesNothing) {
   open_source();
   expect_notice("found none");
