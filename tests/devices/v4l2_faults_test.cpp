@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
+#include <thread>
 
 #include "tests/devices/v4l2_support.hpp"
 
@@ -167,6 +168,19 @@ TEST(V4l2Faults, ASilentDeviceIsOpenedAgainAndCounted) {
   EXPECT_EQ(counter(*source, "losses"), 1u);
   EXPECT_EQ(camera.counts().started, 2);
   EXPECT_EQ(camera.counts().stopped, 1);
+}
+
+TEST(V4l2Faults, WhoAsksLateFindsTheFrameThatCameAndNoSilence) {
+  test::Testbed bed;
+  test::Camera camera(bed, {});
+  auto config = test_config();
+  config.deadline = milliseconds(50);
+  const auto source = opened(config);
+  next_of(*source, Kind::notice);
+  camera.deliver(picture(0));
+  std::this_thread::sleep_for(milliseconds(60));
+  next_of(*source, Kind::frame);
+  EXPECT_EQ(counter(*source, "silences"), 0u);
 }
 
 TEST(V4l2Faults, AnotherSizeAfterAReplugIsAnotherProjection) {
