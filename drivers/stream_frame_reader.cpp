@@ -161,11 +161,11 @@ bool FrameReader::place_rows(RangeFrame& frame) {
   for (std::size_t r = 0; r < times.size(); ++r) {
     while (after < poses_.size() && poses_[after].time <= times[r]) ++after;
     const StampedPose& before = poses_[after - 1];  // the first pose is not after the first row
-    if (before.time == times[r] && after == poses_.size()) {
+    if (before.time == times[r]) {
       frame.T_map_body[r] = before.T_map_body;
       continue;
     }
-    if (before.time != times[r] && PoseTrack::is_gap(before, poses_[after]))
+    if (PoseTrack::is_gap(before, poses_[after]))
       return refuse("poses", "poses at most 1 s apart, or equal ones",
                     fmt::format("{} and {}", seconds(before.time), seconds(poses_[after].time)));
     frame.T_map_body[r] = interpolate(before, poses_[after], times[r]);

@@ -72,7 +72,7 @@ std::optional<Pose> PoseTrack::at(Time time) const {
   if (fixed_) return poses_.front().T_map_body;
   if (poses_.empty() || time < begin() || time > end() || gap_at(time)) return std::nullopt;
   const auto after = first_after(time);
-  if (after == poses_.end()) return poses_.back().T_map_body;
+  if ((after - 1)->time == time) return (after - 1)->T_map_body;  // to the bit: slerp would round
   return interpolate(*(after - 1), *after, time);
 }
 

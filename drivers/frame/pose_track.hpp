@@ -31,8 +31,8 @@ class PoseTrack {
   /// A body that never moves; finite and of a nonzero quaternion (normalised here). at() holds at every time.
   static PoseTrack fixed(const Pose& T_map_body);
 
-  /// Linear in translation, slerp in rotation; nothing outside [begin, end] (a single pose is known at its own time
-  /// only), and nothing inside a gap (gap_at). O(log n).
+  /// Linear in translation, slerp in rotation, a pose itself at its own time; nothing outside [begin, end] (a single
+  /// pose is known at its own time only), and nothing inside a gap (gap_at). O(log n).
   std::optional<Pose> at(Time time) const;
 
   struct Gap {

@@ -5,6 +5,7 @@
 #include <signal.h>
 
 #include "drivers/table.hpp"
+#include "tests/integration/hand_made.hpp"
 #include "tests/integration/live_node.hpp"
 
 namespace scree::test {
@@ -137,7 +138,7 @@ TEST_F(Record, AKilledNodeLosesAtMostTheFrameBeingWritten) {
 
 // 300 KiB a file: a frame of 256 KiB fits, the poses of its 256 rows grow beyond it after some frames.
 TEST_F(Record, AFullDiskEndsTheRecordingAndNotTheMap) {
-  Process scanner(device("perceptron-cmu", socket("scanner"), "0.3"));
+  Process scanner(device("perceptron-cmu", socket("scanner"), "0.5"));
   auto words = live(one_source(), ear_, {"--record", path("taken")});
   std::string line = "trap '' XFSZ; ulimit -f 300; exec";  // bash counts KiB
   for (const auto& word : words) line += " '" + word + "'";

@@ -109,7 +109,7 @@ TEST(Run, WithoutASourceIs78AndWithoutAConfiguration64) {
   write_file(folder / "robot.yaml", "map: {cell_m: 0.1}\n");
   const auto finished = scree({"run", "--config", (folder / "robot.yaml").string()});
   EXPECT_EQ(finished.exit_code, 78);
-  EXPECT_THAT(finished.err, ::testing::HasSubstr("source.kind: expected recording, simulated or stream"));
+  EXPECT_THAT(finished.err, ::testing::HasSubstr("source.kind: expected recording, simulated, stream, usb or v4l2"));
   EXPECT_EQ(scree({"run"}).exit_code, 64);
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <signal.h>
 
+#include "tests/integration/hand_made.hpp"
 #include "tests/integration/live_node.hpp"
 
 namespace scree::test {

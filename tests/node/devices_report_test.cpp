@@ -15,7 +15,7 @@ ConnectedDevices two_devices() {
   camera.capabilities.formats = {
       {drivers::v4l2::fourcc_of("Z16 "), "Depth", {{480, 640, 480, 640, {30.0, 15.0}, false}}},
       {drivers::v4l2::fourcc_of("YUYV"), "Colour", {{120, 160, 480, 640, {60.0, 1.0}, true}}}};
-  return {{camera, {"/dev/video1", "", {}, "'/dev/video1': denied"}}};
+  return {{camera, {"/dev/video1", "", {}, "'/dev/video1': denied"}}, {}, {}};
 }
 
 TEST(DevicesReport, HasALineForWhatCanBeUsedAndTheReasonForWhatCannot) {
