@@ -105,7 +105,7 @@ Result<int> run_simulate(SimulateOptions options) {
 void add_device_options(CLI::App& command, SimulateOptions& options) {
   ServeOptions& serve = options.serve;
   command.add_option("--serve", serve.address, "Act as a live device instead: source.kind stream connects here")
-      ->type_name("unix:PATH|tcp:PORT");
+      ->type_name("unix:PATH|tcp:PORT|usbredir:PATH");
   command
       .add_option("--drive", serve.drive,
                   "The robot starts where the trajectory does and obeys drive commands (UDP) that come here")
@@ -139,9 +139,9 @@ Command add_simulate(CLI::App& app) {
                    "A DEM or point file, or fbm:D,AMPLITUDE_M,SEED[,EXTENT_M=60[,CELL_M=0.05]]")
       ->required()
       ->type_name("FILE|fbm:...");
-  command->add_option("--sensor", simulator.sensor, "perceptron-usf, perceptron-cmu, lidar64 or depth")
+  command->add_option("--sensor", simulator.sensor, "perceptron-usf, perceptron-cmu, lidar64, depth or depth-small")
       ->required()
-      ->check(CLI::IsMember({"perceptron-usf", "perceptron-cmu", "lidar64", "depth"}))
+      ->check(CLI::IsMember({"perceptron-usf", "perceptron-cmu", "lidar64", "depth", "depth-small"}))
       ->type_name("NAME");
   command
       ->add_option("--trajectory", simulator.trajectory,
