@@ -24,6 +24,28 @@ drivers::stream::Geometry geometry_of(const drivers::Simulator& simulator, const
   return geometry;
 }
 
+/// Of GEOMETRY and FRAME together, with as many poses as can lie around the rows.
+std::size_t largest_message(const drivers::stream::Geometry& geometry, const drivers::stream::Encoder& encoder) {
+  const auto rows = static_cast<std::size_t>(geometry.sensor.projection.rows);
+  const auto columns = static_cast<std::size_t>(geometry.sensor.projection.columns);
+  const std::size_t poses = geometry.sensor.row_period == Duration{0} ? 2 : drivers::stream::kMaxPoses;
+  return 2 * drivers::stream::kHeaderBytes + encoder.geometry_payload().size() + drivers::stream::kFrameBytes +
+         8 * rows + drivers::stream::kPoseBytes * poses +
+         static_cast<std::size_t>(geometry.word_bytes) * rows * columns;
+}
+
+/// Words of 16 bits are what a depth image holds.
+drivers::ServedShape shape_of(const drivers::Simulator& simulator, const drivers::stream::Geometry& geometry,
+                              const drivers::stream::Encoder& encoder) {
+  const ProjectionConfig& projection = geometry.sensor.projection;
+  return {geometry.device,
+          projection.rows,
+          projection.columns,
+          geometry.word_bytes == 2,
+          simulator.frame_time(1) - simulator.frame_time(0),
+          largest_message(geometry, encoder)};
+}
+
 }  // namespace
 
 Status ServedDevice::State::open_drive() {
@@ -68,13 +90,16 @@ Result<std::unique_ptr<ServedDevice>> ServedDevice::open(drivers::Simulator simu
                                                          ServeOptions options) {
   const auto boot_id = random_id("boot_id");
   if (!boot_id) return boot_id.error();
-  auto server = drivers::StreamServer::open(options.address);
-  if (!server) return server.error();
-  auto encoder = drivers::stream::Encoder::make(geometry_of(simulator, sensor), *boot_id, true);
+  const drivers::stream::Geometry geometry = geometry_of(simulator, sensor);
+  auto encoder = drivers::stream::Encoder::make(geometry, *boot_id, true);
   if (!encoder) return encoder.error();
+  const drivers::ServedShape shape = shape_of(simulator, geometry, *encoder);
+  auto server = drivers::open_frame_server(options.address, shape);
+  if (!server) return server.error();
   auto state =
       std::make_unique<State>(std::move(simulator), std::move(options), *std::move(server), *std::move(encoder));
   state->sensor = sensor;
+  state->has_images = shape.camera;
   if (auto opened = state->open_drive(); !opened) return opened.error();
   if (auto opened = state->open_outputs(*boot_id); !opened) return opened.error();
   return std::unique_ptr<ServedDevice>(new ServedDevice(std::move(state)));
@@ -82,7 +107,7 @@ Result<std::unique_ptr<ServedDevice>> ServedDevice::open(drivers::Simulator simu
 
 std::string ServedDevice::report() const {
   const State& s = *state_;
-  const auto& counters = s.server.counters();
+  const auto& counters = s.server->counters();
   std::uint64_t poses_sent = 0, poses_failed = 0;
   for (const PoseOutput& output : s.pose_outputs) {
     poses_sent += output.sent();

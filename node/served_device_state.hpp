@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "drivers/drive_command.hpp"
+#include "drivers/frame_server.hpp"
 #include "drivers/frame_stream.hpp"
-#include "drivers/stream_server.hpp"
 #include "drivers/table.hpp"
 #include "node/ground_limits.hpp"
 #include "node/pose_output.hpp"
@@ -21,7 +21,7 @@
 namespace scree::node {
 
 struct ServedDevice::State {
-  State(drivers::Simulator the_simulator, ServeOptions the_options, drivers::StreamServer the_server,
+  State(drivers::Simulator the_simulator, ServeOptions the_options, std::unique_ptr<drivers::FrameServer> the_server,
         drivers::stream::Encoder the_encoder)
       : simulator(std::move(the_simulator)),
         options(std::move(the_options)),
@@ -45,7 +45,8 @@ struct ServedDevice::State {
   drivers::Simulator simulator;
   ServeOptions options;
   std::string sensor;
-  drivers::StreamServer server;
+  bool has_images = false;  ///< counts go out as images too
+  std::unique_ptr<drivers::FrameServer> server;
   drivers::stream::Encoder encoder;
   GroundLimits ground;
   std::optional<drivers::DrivenRobot> robot;

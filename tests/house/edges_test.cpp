@@ -40,8 +40,7 @@ const std::map<std::string, Rule> kFolders{
        "arpa/inet.h", "netdb.h", "sys/random.h", "sys/timex.h", "sys/epoll.h", "sys/eventfd.h", "sys/signalfd.h",
        "poll.h"}}},
     {"client/examples", {{"client", "client/examples"}, {}}},
-    {"client",
-     {{}, {"sys/socket.h", "netinet/in.h", "arpa/inet.h", "poll.h", "sys/random.h", "time.h"}}},
+    {"client", {{}, {"sys/socket.h", "netinet/in.h", "arpa/inet.h", "poll.h", "sys/random.h", "time.h"}}},
 };
 
 /// Adapter files: what each may include beyond its folder's rule.
@@ -55,6 +54,7 @@ const std::map<std::string, Rule> kAdapters{
     {"drivers/terrain_load.cpp", {{"fractal"}, {}}},
     {"drivers/checksum.cpp", {{}, {"zlib.h"}}},
     {"drivers/stream_socket.cpp", {{}, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/inet.h", "poll.h"}}},
+    {"drivers/usbredir_port.hpp", {{}, {"usbredirparser.h"}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
 };
 
