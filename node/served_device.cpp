@@ -58,11 +58,21 @@ void ServedDevice::State::begin() {
 /// One round: everything but rendering.
 void ServedDevice::State::serve() {
   server->serve();
+  inject_faults();
   take_commands();
   if (began) {
     way->advance_to(now());
     note_poses();
   }
+}
+
+void ServedDevice::State::inject_faults() {
+  if (!faults) return;
+  if (!first_reader && server->readers() > 0) first_reader = MonotonicClock::now();
+  if (!first_reader) return;
+  const auto since = std::chrono::duration_cast<Duration>(MonotonicClock::now() - *first_reader);
+  for (const drivers::Fault& fault : faults->advance(since, *server))
+    spdlog::warn("fault of line {}: {} at {:.3f} s", fault.line, to_string(fault.kind), to_seconds(since));
 }
 
 void ServedDevice::State::take_commands() {
@@ -130,7 +140,8 @@ Status ServedDevice::State::render_and_send(std::size_t i) {
   const auto encoded = encoder.encode({i, row_time, poses, PoseVariance{}, frame->raw, frame->reflectance}, *message);
   if (!encoded) return encoded;
   ++rendered;
-  server->send({std::move(message), has_images ? image_of(frame->raw) : nullptr, false});
+  drivers::ServedFrame served{std::move(message), has_images ? image_of(frame->raw) : nullptr, false};
+  server->send(faults ? faults->spoil(std::move(served), i) : std::move(served));
   return {};
 }
 

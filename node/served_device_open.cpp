@@ -1,6 +1,7 @@
 // A served device before and after its drive: what it opens, and what it says of itself.
 
 #include <cmath>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -46,6 +47,25 @@ drivers::ServedShape shape_of(const drivers::Simulator& simulator, const drivers
           largest_message(geometry, encoder)};
 }
 
+/// The same device, were its images half as high.
+drivers::stream::Geometry upper_half(drivers::stream::Geometry geometry) {
+  ProjectionConfig& projection = geometry.sensor.projection;
+  projection.rows /= 2;
+  projection.trusted_rows = projection.rows;
+  if (!projection.row_elevations_rad.empty())
+    projection.row_elevations_rad.resize(static_cast<std::size_t>(projection.rows));
+  return geometry;
+}
+
+nlohmann::ordered_json faults_json(const FaultInjector& faults) {
+  nlohmann::ordered_json json;
+  for (std::size_t i = 0; i < drivers::kFaultKinds; ++i)
+    json[std::string(to_string(static_cast<drivers::FaultKind>(i)))] = faults.injected()[i];
+  json["frames_corrupted"] = faults.frames_corrupted();
+  json["frames_of_wrong_geometry"] = faults.frames_of_wrong_geometry();
+  return json;
+}
+
 }  // namespace
 
 Status ServedDevice::State::open_drive() {
@@ -70,6 +90,20 @@ Status ServedDevice::State::open_drive() {
   if (!socket) return socket.error();
   drive_socket = *std::move(socket);
   drive_host = options.drive->substr(0, options.drive->rfind(':'));
+  return {};
+}
+
+Status ServedDevice::State::open_faults(const drivers::stream::Geometry& geometry) {
+  if (!options.faults) return {};
+  auto script = drivers::load_fault_script(*options.faults);
+  if (!script) return script.error();
+  for (const drivers::Fault& fault : *script)
+    if (drivers::needs_endpoint(fault.kind) && !server->has_endpoints())
+      return Error{ErrorKind::usage,
+                   fmt::format("{}:{}: expected faults of a socket, found '{}', which needs --serve usbredir:",
+                               *options.faults, fault.line, to_string(fault.kind))};
+  faults.emplace(*std::move(script), simulator.frame_time(1) - simulator.frame_time(0),
+                 drivers::stream::encode_geometry(upper_half(geometry)));
   return {};
 }
 
@@ -100,6 +134,7 @@ Result<std::unique_ptr<ServedDevice>> ServedDevice::open(drivers::Simulator simu
       std::make_unique<State>(std::move(simulator), std::move(options), *std::move(server), *std::move(encoder));
   state->sensor = sensor;
   state->has_images = shape.camera;
+  if (auto opened = state->open_faults(geometry); !opened) return opened.error();
   if (auto opened = state->open_drive(); !opened) return opened.error();
   if (auto opened = state->open_outputs(*boot_id); !opened) return opened.error();
   return std::unique_ptr<ServedDevice>(new ServedDevice(std::move(state)));
@@ -144,6 +179,7 @@ std::string ServedDevice::report() const {
                      {"rejected", s.commands.rejected()},
                      {"timeouts", s.robot->timeouts()},
                      {"edge_stops", s.robot->edge_stops()}};
+  if (s.faults) json["faults"] = faults_json(*s.faults);
   return json.dump(2);
 }
 

@@ -11,6 +11,7 @@
 #include "drivers/frame_server.hpp"
 #include "drivers/frame_stream.hpp"
 #include "drivers/table.hpp"
+#include "node/fault_injector.hpp"
 #include "node/ground_limits.hpp"
 #include "node/pose_output.hpp"
 #include "node/robot_way.hpp"
@@ -30,11 +31,13 @@ struct ServedDevice::State {
         ground(simulator.terrain(), options.vehicle) {}
 
   Status open_drive();
+  Status open_faults(const drivers::stream::Geometry& geometry);
   Status open_outputs(std::uint64_t boot_id);
   Time now() const;  ///< of the drive
   void begin();
   void serve();
   void take_commands();
+  void inject_faults();
   void note_poses();
   bool stopped();
   bool serve_until(const std::function<bool()>& reached);
@@ -56,6 +59,8 @@ struct ServedDevice::State {
   drivers::DriveReceiver commands;
   std::vector<PoseOutput> pose_outputs;
   std::ofstream track;
+  std::optional<FaultInjector> faults;
+  std::optional<MonotonicTime> first_reader;
 
   std::optional<MonotonicTime> began;
   Duration epoch{0};         ///< Unix time of the drive's zero

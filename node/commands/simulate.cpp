@@ -87,8 +87,9 @@ Status check_mode(const SimulateOptions& options) {
     return Error{ErrorKind::usage, fmt::format("simulate: expected one of --out and --serve, found {}",
                                                options.out ? "both" : "neither")};
   const ServeOptions& serve = options.serve;
-  const bool of_a_device = serve.drive || !serve.pose_out.empty() || serve.track || options.duration_s > 0.0 ||
-                           options.frames > 0 || options.config || !options.assignments.empty() || options.json;
+  const bool of_a_device = serve.drive || serve.faults || !serve.pose_out.empty() || serve.track ||
+                           options.duration_s > 0.0 || options.frames > 0 || options.config ||
+                           !options.assignments.empty() || options.json;
   if (options.out && of_a_device)
     return Error{ErrorKind::usage, "simulate: expected --serve with the options of a device, found --out"};
   return {};
@@ -110,6 +111,8 @@ void add_device_options(CLI::App& command, SimulateOptions& options) {
       .add_option("--drive", serve.drive,
                   "The robot starts where the trajectory does and obeys drive commands (UDP) that come here")
       ->type_name("ADDRESS:PORT");
+  command.add_option("--faults", serve.faults, "Script of what goes wrong with the device (docs/simulator.md)")
+      ->type_name("FILE");
   command.add_option("--pose-out", serve.pose_out, "POSE_INPUT messages of the odometry go here; repeatable")
       ->type_name("ADDRESS:PORT")
       ->allow_extra_args(false);
