@@ -2,6 +2,7 @@
 
 #include "drivers/stream_source.hpp"
 
+#include <filesystem>
 #include <gmock/gmock.h>
 #include <thread>
 
@@ -247,6 +248,38 @@ TEST(StreamAddress, OnlyThisMachineIsAccepted) {
                             "tcp:scanner:80", "tcp:127.0.0.1:-1", "tcp:127.0.0.1:80x"})
     EXPECT_THAT(text(wrong), ::testing::StartsWith("source.address: expected")) << wrong;
   EXPECT_THAT(text("unix:" + std::string(108, 'x')), ::testing::HasSubstr("1 … 107 bytes"));
+}
+
+TEST_F(StreamSourceTest, AnUnpluggedDeviceIsLostAndComesBackAtItsAddress) {
+  open_server();
+  open_source();
+  connect();
+  server_->set_link({.unplugged = true});
+  EXPECT_EQ(event().kind, Kind::notice) << "gone";
+  EXPECT_EQ(server_->readers(), 0u);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "stream")) << "nobody listens";
+  server_->set_link({});
+  SourceEvent came;
+  for (int i = 0; i < 5 && !came.message.ends_with("connected"); ++i) came = event();
+  EXPECT_TRUE(came.message.ends_with("connected")) << came.message;
+  server_->serve();
+  server_->send({message(0)});
+  EXPECT_EQ(event().kind, Kind::frame);
+}
+
+TEST_F(StreamSourceTest, AFrozenLinkHoldsAFrameBack) {
+  open_server();
+  open_source();
+  connect();
+  server_->set_link({.frozen = true});
+  server_->send({message(0)});
+  for (int i = 0; i < 20; ++i) {
+    server_->serve();
+    EXPECT_EQ(source_->next(milliseconds(1))->kind, Kind::timeout);
+  }
+  EXPECT_TRUE(server_->busy());
+  server_->set_link({});
+  EXPECT_EQ(event().kind, Kind::frame);
 }
 
 TEST(StreamServer, TcpOnTheLoopbackWorksTheSame) {
