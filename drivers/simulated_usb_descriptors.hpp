@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/time.hpp"
@@ -15,7 +16,8 @@ inline constexpr std::uint8_t kCameraControlInterface = 1;
 inline constexpr std::uint8_t kCameraInterface = 2;
 inline constexpr std::uint8_t kCameraEndpoint = 0x82;
 inline constexpr std::uint16_t kBulkPacketBytes = 512;  ///< of every bulk endpoint at high speed
-inline constexpr std::size_t kCameraHeaderBytes = 2;    ///< of a UVC payload
+inline constexpr std::string_view kSimulatedSerial = "simulated-1";
+inline constexpr std::size_t kCameraHeaderBytes = 2;  ///< of a UVC payload
 
 enum class DescriptorType : std::uint8_t { device = 1, configuration = 2, string = 3, device_qualifier = 6 };
 
