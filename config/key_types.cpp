@@ -44,9 +44,4 @@ Schema<Pose> pose_schema(bool required) {
   return schema;
 }
 
-void normalise(Pose& pose) {
-  constexpr double kRounding = 1e-15;
-  if (std::abs(pose.rotation.squaredNorm() - 1.0) > kRounding) pose.rotation.normalize();
-}
-
 }  // namespace scree::config

@@ -141,8 +141,4 @@ Key<T> seconds(std::string name, Lens<T, Duration> lens, Bounds bounds_s, std::s
 /// x_m y_m z_m qx qy qz qw of a Pose, with the rule that the quaternion has norm 1. The caller normalises.
 Schema<Pose> pose_schema(bool required);
 
-/// Makes the quaternion exactly unit where rounding of the written digits left it off; keeps it otherwise, so that a
-/// pose survives any number of writes and reads.
-void normalise(Pose& pose);
-
 }  // namespace scree::config

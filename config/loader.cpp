@@ -7,18 +7,21 @@
 #include "config/key_types.hpp"
 #include "config/sensor_schema.hpp"
 #include "config/settings_schema.hpp"
+#include "config/source_schema.hpp"
 #include "config/text_file.hpp"
 
 namespace scree::config {
 
 Result<Settings> parse_settings(std::string_view text, const std::string& name,
                                 const std::vector<std::string>& assignments) {
-  const auto root = parse_yaml(text, name);
+  auto root = parse_yaml(text, name);
   if (!root) return Error{ErrorKind::bad_config, root.error().message};
-  const Schema<Settings>& schema = settings_schema();
   Settings settings;
   Given given;
   Faults faults;
+  settings.sources.resize(spread_sources(*root, name, assignments, faults));
+  if (!faults.empty()) return faults.to_error(ErrorKind::bad_config);
+  const Schema<Settings> schema = with_sources(settings_schema(), settings.sources.size());
   const auto keys = bind(schema, settings);
   read_tree(*root, name, keys, given, faults);
   for (const auto& assignment : assignments) read_assignment(assignment, keys, given, faults);
@@ -26,6 +29,8 @@ Result<Settings> parse_settings(std::string_view text, const std::string& name,
   if (!faults.empty()) return faults.to_error(ErrorKind::bad_config);
   normalise(settings.pose.T_map_body);
   if (settings.sensor) normalise(settings.sensor->T_body_sensor);
+  for (SourceSettings& source : settings.sources)
+    if (source.sensor) normalise(source.sensor->T_body_sensor);
   return settings;
 }
 
@@ -38,10 +43,10 @@ Result<Settings> load_settings(const std::optional<std::filesystem::path>& file,
 }
 
 std::string dump_settings(const Settings& settings) {
-  return dump(settings_schema(), settings);
+  return dump(with_sources(settings_schema(), settings.sources.size()), settings);
 }
 
-Result<SensorConfig> effective_sensor(const Settings& settings, const std::optional<SensorConfig>& recorded) {
+Result<SensorConfig> effective_sensor(const SensorSettings& settings, const std::optional<SensorConfig>& recorded) {
   if (!settings.sensor) return recorded.value_or(SensorConfig{});
   if (settings.has_whole_sensor() || !recorded) return *settings.sensor;
   static const Schema<SensorConfig> schema = sensor_schema(false);
@@ -70,6 +75,10 @@ std::string settings_table() {
     table +=
         fmt::format("| `{}` | {} | {} | {} |\n", key.name, expected, value == "[]" ? "" : "`" + value + "`", key.doc);
   }
+  table += fmt::format(
+      "| `sources` | a list of at most {} maps | | Several sources at once: each has the keys of `source.` "
+      "(`simulated_sensor` for its `sensor`) and a `sensor` of its own. |\n",
+      kMaxSources);
   return table;
 }
 

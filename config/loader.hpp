@@ -27,7 +27,7 @@ std::string dump_settings(const Settings& settings);
 
 /// What to use for a source that says `recorded` of itself (none: it says nothing). Errors: bad_config when the
 /// given keys contradict the recording's.
-Result<SensorConfig> effective_sensor(const Settings& settings, const std::optional<SensorConfig>& recorded);
+Result<SensorConfig> effective_sensor(const SensorSettings& settings, const std::optional<SensorConfig>& recorded);
 
 /// The table of all keys in docs/configuration.md (Markdown).
 std::string settings_table();

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <map>
 #include <string_view>
+#include <utility>
 
 namespace scree::config {
 namespace {
@@ -104,6 +105,17 @@ std::vector<std::string_view> parts_of(std::string_view name) {
   return parts;
 }
 
+/// "sources[0].kind" → sources, [0], kind: an element of a list is a part of its own.
+std::vector<std::string_view> parts_with_elements(std::string_view name) {
+  std::vector<std::string_view> parts;
+  for (const auto part : parts_of(name)) {
+    const std::size_t bracket = part.find('[');
+    parts.push_back(part.substr(0, bracket));
+    if (bracket != std::string_view::npos) parts.push_back(part.substr(bracket));
+  }
+  return parts;
+}
+
 }  // namespace
 
 const Position* position_of(const Given& given, const std::string& key) {
@@ -161,16 +173,24 @@ void require_keys(const YamlNode& root, const std::string& file, const std::vect
 std::string nest(const std::vector<std::pair<std::string, std::string>>& values) {
   std::string text;
   std::vector<std::string_view> open;
+  bool dash = false;  // the next line begins an element
+  const auto put = [&](std::size_t depth, const std::string& line) {
+    const std::string indent(2 * depth, ' ');
+    text += std::exchange(dash, false) ? indent.substr(2) + "- " + line : indent + line;
+  };
   for (const auto& [name, value] : values) {
-    const auto parts = parts_of(name);
+    const auto parts = parts_with_elements(name);
     std::size_t common = 0;
     while (common < open.size() && common + 1 < parts.size() && open[common] == parts[common]) ++common;
     open.resize(common);
     for (; common + 1 < parts.size(); ++common) {
-      text += fmt::format("{:{}}{}:\n", "", 2 * common, parts[common]);
+      if (parts[common].starts_with('['))
+        dash = true;
+      else
+        put(common, fmt::format("{}:\n", parts[common]));
       open.push_back(parts[common]);
     }
-    text += fmt::format("{:{}}{}: {}\n", "", 2 * common, parts.back(), value);
+    put(common, fmt::format("{}: {}\n", parts.back(), value));
   }
   return text;
 }

@@ -11,9 +11,8 @@
 
 #include "config/key_types.hpp"
 #include "config/mac_keys.hpp"
-#include "config/sensor_schema.hpp"
+#include "config/source_schema.hpp"
 #include "config/values.hpp"
-#include "drivers/stream_socket.hpp"
 
 namespace scree::config {
 namespace {
@@ -125,13 +124,6 @@ bool accept_name(const std::string& text) {
   return !text.empty() && text.size() <= 31 &&
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 127; });
 }
-bool accept_stream_address_or_empty(const std::string& text) {
-  return text.empty() || drivers::parse_stream_address(text, "source.address");
-}
-bool accept_any(const std::string&) {
-  return true;
-}
-
 Schema<PoseSettings> pose_source_schema() {
   Schema<PoseSettings> schema;
   schema.keys.push_back(choice<PoseSettings, PoseSource>(
@@ -167,46 +159,46 @@ Schema<MapConfig> pose_sigma_schema() {
 Schema<PublishSettings> publish_schema() {
   using P = PublishSettings;
   Schema<P> schema;
-  schema.keys = {
-      text<P>(
-          "destination", [](P& p) -> std::string& { return p.destination; }, "IPv4-ADDRESS:PORT", accept_destination,
-          "Where map datagrams go."),
-      text<P>(
-          "listen", [](P& p) -> std::string& { return p.listen; }, "IPv4-ADDRESS:PORT of this machine (not 0.0.0.0; port 0 = any free one)",
-          accept_listen, "Where the node hears its clients and pose sources."),
-      choice<P, drivers::Origin>(
-          "origin", [](P& p) -> drivers::Origin& { return p.origin; },
-          {{"live", drivers::Origin::live}, {"sim", drivers::Origin::sim}, {"hil", drivers::Origin::hil}},
-          "What the datagrams of `scree run` say; a replay always says REPLAY."),
-      integer<P, int>(
-          "refresh_ms", [](P& p) -> int& { return p.refresh_ms; }, {100, 3.6e6, false},
-          "Every block is sent again in this time."),
-      integer<P, int>(
-          "cell_max_age_ms", [](P& p) -> int& { return p.cell_max_age_ms; }, kMilliseconds,
-          "Receivers take older blocks as unknown; 0 = no limit."),
-      integer<P, int>(
-          "datagrams_per_s", [](P& p) -> int& { return p.datagrams_per_s; }, {100, 1e6, false},
-          "Pacing of each destination."),
-      integer<P, int>(
-          "max_subscribers", [](P& p) -> int& { return p.max_subscribers; }, {0, 256, false},
-          "Destinations that may subscribe at one time."),
-      integer<P, int>(
-          "multicast_ttl", [](P& p) -> int& { return p.multicast_ttl; }, {0, 255, false},
-          "Routers that datagrams to a multicast destination pass, plus 1."),
-      text<P>(
-          "multicast_interface", [](P& p) -> std::string& { return p.multicast_interface; }, "an IPv4 address or \"\"",
-          accept_address_or_empty,
-          "Address of the interface for a multicast destination; empty = the kernel's choice."),
-      mac_keys(),
-      integer<P, std::uint32_t>(
-          "stream_id", [](P& p) -> std::uint32_t& { return p.stream_id; },
-          {0, std::numeric_limits<std::uint32_t>::max(), false}, "One map of one node."),
-      text<P>(
-          "frame_name", [](P& p) -> std::string& { return p.frame_name; }, "1 to 31 visible ASCII characters",
-          accept_name, "Name of the map frame."),
-      text<P>(
-          "node_name", [](P& p) -> std::string& { return p.node_name; }, "1 to 31 visible ASCII characters",
-          accept_name, "Name of the node.")};
+  schema.keys = {text<P>(
+                     "destination", [](P& p) -> std::string& { return p.destination; }, "IPv4-ADDRESS:PORT",
+                     accept_destination, "Where map datagrams go."),
+                 text<P>(
+                     "listen", [](P& p) -> std::string& { return p.listen; },
+                     "IPv4-ADDRESS:PORT of this machine (not 0.0.0.0; port 0 = any free one)", accept_listen,
+                     "Where the node hears its clients and pose sources."),
+                 choice<P, drivers::Origin>(
+                     "origin", [](P& p) -> drivers::Origin& { return p.origin; },
+                     {{"live", drivers::Origin::live}, {"sim", drivers::Origin::sim}, {"hil", drivers::Origin::hil}},
+                     "What the datagrams of `scree run` say; a replay always says REPLAY."),
+                 integer<P, int>(
+                     "refresh_ms", [](P& p) -> int& { return p.refresh_ms; }, {100, 3.6e6, false},
+                     "Every block is sent again in this time."),
+                 integer<P, int>(
+                     "cell_max_age_ms", [](P& p) -> int& { return p.cell_max_age_ms; }, kMilliseconds,
+                     "Receivers take older blocks as unknown; 0 = no limit."),
+                 integer<P, int>(
+                     "datagrams_per_s", [](P& p) -> int& { return p.datagrams_per_s; }, {100, 1e6, false},
+                     "Pacing of each destination."),
+                 integer<P, int>(
+                     "max_subscribers", [](P& p) -> int& { return p.max_subscribers; }, {0, 256, false},
+                     "Destinations that may subscribe at one time."),
+                 integer<P, int>(
+                     "multicast_ttl", [](P& p) -> int& { return p.multicast_ttl; }, {0, 255, false},
+                     "Routers that datagrams to a multicast destination pass, plus 1."),
+                 text<P>(
+                     "multicast_interface", [](P& p) -> std::string& { return p.multicast_interface; },
+                     "an IPv4 address or \"\"", accept_address_or_empty,
+                     "Address of the interface for a multicast destination; empty = the kernel's choice."),
+                 mac_keys(),
+                 integer<P, std::uint32_t>(
+                     "stream_id", [](P& p) -> std::uint32_t& { return p.stream_id; },
+                     {0, std::numeric_limits<std::uint32_t>::max(), false}, "One map of one node."),
+                 text<P>(
+                     "frame_name", [](P& p) -> std::string& { return p.frame_name; },
+                     "1 to 31 visible ASCII characters", accept_name, "Name of the map frame."),
+                 text<P>(
+                     "node_name", [](P& p) -> std::string& { return p.node_name; }, "1 to 31 visible ASCII characters",
+                     accept_name, "Name of the node.")};
   schema.rules.push_back({{"listen", "destination"}, [](const P& p) -> std::optional<Contradiction> {
                             if (p.listen != p.destination) return std::nullopt;
                             return Contradiction{"another address than publish.destination", p.listen};
@@ -227,7 +219,10 @@ Schema<NodeSettings> node_schema() {
                      "Live: no frame for this long sets the health bit sensor stale."),
                  integer<N, int>(
                      "sensor_lost_ms", [](N& n) -> int& { return n.sensor_lost_ms; }, {1, 3.6e6, false},
-                     "Live: no frame for this long sets the health bit sensor lost.")};
+                     "Live: no frame for this long sets the health bit sensor lost."),
+                 integer<N, int>(
+                     "merge_ms", [](N& n) -> int& { return n.merge_ms; }, {0, 1000, false},
+                     "Several live sources: a frame waits at most this long for an earlier one of another source.")};
   schema.rules.push_back({{"sensor_lost_ms", "sensor_stale_ms"}, [](const N& n) -> std::optional<Contradiction> {
                             if (n.sensor_stale_ms <= n.sensor_lost_ms) return std::nullopt;
                             return Contradiction{"sensor_stale_ms of at most sensor_lost_ms",
@@ -236,87 +231,16 @@ Schema<NodeSettings> node_schema() {
   return schema;
 }
 
-Schema<SourceSettings> source_schema() {
-  using S = SourceSettings;
-  Schema<S> schema;
-  schema.keys = {
-      choice<S, SourceKind>(
-          "kind", [](S& s) -> SourceKind& { return s.kind; },
-          {{"none", SourceKind::none},
-           {"recording", SourceKind::recording},
-           {"simulated", SourceKind::simulated},
-           {"stream", SourceKind::stream}},
-          "What `scree run` acquires from."),
-      text<S>(
-          "path", [](S& s) -> std::string& { return s.path; }, "a path", accept_any,
-          "recording: its directory, played in real time, newest frame wins."),
-      flag<S>(
-          "loop", [](S& s) -> bool& { return s.loop; }, "Start again at the end."),
-      text<S>(
-          "terrain", [](S& s) -> std::string& { return s.terrain; }, "a terrain", accept_any,
-          "simulated: as `scree simulate --terrain`."),
-      text<S>(
-          "sensor", [](S& s) -> std::string& { return s.sensor; }, "a sensor", accept_any,
-          "simulated: as `scree simulate --sensor`."),
-      text<S>(
-          "trajectory", [](S& s) -> std::string& { return s.trajectory; }, "a trajectory", accept_any,
-          "simulated: as `scree simulate --trajectory`."),
-      flag<S>(
-          "noise", [](S& s) -> bool& { return s.noise; }, "simulated: nominal noise, or none."),
-      integer<S, std::uint64_t>(
-          "seed", [](S& s) -> std::uint64_t& { return s.seed; }, {0, 9.2e18, false},
-          "simulated: of everything random."),
-      text<S>(
-          "address", [](S& s) -> std::string& { return s.address; }, "unix:PATH, tcp:HOST:PORT or \"\"",
-          accept_stream_address_or_empty, "stream: where the device serves its frames; TCP on the loopback only."),
-      integer<S, int>(
-          "deadline_ms", [](S& s) -> int& { return s.deadline_ms; }, {100, 3.6e6, false},
-          "stream: a device that says nothing good for this long is connected to again.")};
-  schema.rules.push_back({{"address", "kind"}, [](const S& s) -> std::optional<Contradiction> {
-                            if (s.kind != SourceKind::stream || !s.address.empty()) return std::nullopt;
-                            return Contradiction{"source.address with source.kind stream", "no address"};
-                          }});
-  schema.rules.push_back({{"path", "kind"}, [](const S& s) -> std::optional<Contradiction> {
-                            if (s.kind != SourceKind::recording || !s.path.empty()) return std::nullopt;
-                            return Contradiction{"source.path with source.kind recording", "no path"};
-                          }});
-  schema.rules.push_back(
-      {{"kind", "terrain", "sensor", "trajectory"}, [](const S& s) -> std::optional<Contradiction> {
-         const bool whole = !s.terrain.empty() && !s.sensor.empty() && !s.trajectory.empty();
-         if (s.kind != SourceKind::simulated || whole) return std::nullopt;
-         return Contradiction{"terrain, sensor and trajectory with source.kind simulated", "not all of them"};
-       }});
+Schema<RecordSettings> record_schema() {
+  using R = RecordSettings;
+  Schema<R> schema;
+  schema.keys = {integer<R, int>(
+                     "queue_frames", [](R& r) -> int& { return r.queue_frames; }, {1, 1024, false},
+                     "`scree run --record`: mapped frames that wait to be written; more are dropped, counted."),
+                 integer<R, int>(
+                     "keep_free_mb", [](R& r) -> int& { return r.keep_free_mb; }, {0, 1e6, false},
+                     "The recording ends before its disk has less than this left.")};
   return schema;
-}
-
-/// The keys of a sensor, which need not be given. Each one that is given is noted; the rules of a sensor hold only for
-/// a whole one here (see effective_sensor).
-void add_sensor(Schema<Settings>& schema) {
-  const Lens<Settings, SensorConfig> lens = [](Settings& s) -> SensorConfig& {
-    if (!s.sensor) s.sensor.emplace();
-    return *s.sensor;
-  };
-  Schema<Settings> lifted;
-  const Schema<SensorConfig> sensor = sensor_schema(false);
-  append(lifted, "sensor.", lens, sensor);
-  for (std::size_t i = 0; i < lifted.keys.size(); ++i) {
-    Key<Settings>& key = lifted.keys[i];
-    const std::string name = sensor.keys[i].name;
-    key.read = [read = key.read, name](const YamlNode& node, Settings& s) {
-      if (std::find(s.sensor_given.begin(), s.sensor_given.end(), name) == s.sensor_given.end())
-        s.sensor_given.push_back(name);
-      return read(node, s);
-    };
-    key.applies = [applies = sensor.keys[i].applies, name](const Settings& s) {
-      if (s.has_whole_sensor()) return !applies || applies(*s.sensor);
-      return std::find(s.sensor_given.begin(), s.sensor_given.end(), name) != s.sensor_given.end();
-    };
-    schema.keys.push_back(std::move(key));
-  }
-  for (auto& rule : lifted.rules) {
-    rule.check = [check = rule.check](const Settings& s) { return s.has_whole_sensor() ? check(s) : std::nullopt; };
-    schema.rules.push_back(std::move(rule));
-  }
 }
 
 Schema<Settings> make_schema() {
@@ -332,9 +256,12 @@ Schema<Settings> make_schema() {
          publish_schema());
   append(schema, "node.", Lens<Settings, NodeSettings>([](Settings& s) -> NodeSettings& { return s.node; }),
          node_schema());
+  append(schema, "record.", Lens<Settings, RecordSettings>([](Settings& s) -> RecordSettings& { return s.record; }),
+         record_schema());
   append(schema, "source.", Lens<Settings, SourceSettings>([](Settings& s) -> SourceSettings& { return s.source; }),
          source_schema());
-  add_sensor(schema);
+  append(schema, "", Lens<Settings, SensorSettings>([](Settings& s) -> SensorSettings& { return s; }),
+         sensor_settings_schema());
   schema.rules.push_back({{"map.size_cells", "map.cell_m", "vehicle.wheelbase_m", "vehicle.track_m"},
                           [](const Settings& s) -> std::optional<Contradiction> {
                             const double side_m = s.map.cell_m * s.map.size_cells;
@@ -348,10 +275,6 @@ Schema<Settings> make_schema() {
 }
 
 }  // namespace
-
-bool Settings::has_whole_sensor() const {
-  return std::find(sensor_given.begin(), sensor_given.end(), "projection") != sensor_given.end();
-}
 
 const Schema<Settings>& settings_schema() {
   static const Schema<Settings> schema = make_schema();

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace scree {
 
@@ -18,5 +19,12 @@ struct Pose {
   }
   Pose inverse() const { return {rotation.conjugate() * -translation_m, rotation.conjugate()}; }
 };
+
+/// To a fixed point: a rotation that was normalised before, and written and read since, keeps its bits (the squared
+/// norm of a normalised one is within some 4 roundings of 1).
+inline void normalise(Pose& pose) {
+  constexpr double kRounding = 1e-15;
+  if (std::abs(pose.rotation.squaredNorm() - 1.0) > kRounding) pose.rotation.normalize();
+}
 
 }  // namespace scree

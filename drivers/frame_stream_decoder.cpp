@@ -48,7 +48,8 @@ std::optional<Message> Decoder::next(std::span<const std::uint8_t>& bytes) {
     const Header header = *header_;
     header_.reset();
     const auto payload = held_bytes().subspan(kHeaderBytes, header.payload_bytes);
-    if (crc32_of(payload) != header.payload_crc) {
+    if (payload_crc(payload) != header.payload_crc) {
+      searched_to_ = std::max(searched_to_, position() + kHeaderBytes + header.payload_bytes);
       ++counters_.payload_crc;
       if (header.type == MessageType::frame) ++counters_.frame_payload_crc;
       skip(kHeaderBytes);  // a header that is whole holds no other; its payload may
@@ -66,21 +67,41 @@ void Decoder::reset() {
   header_.reset();
 }
 
+/// Headers found inside a damaged message may announce overlapping payloads, each of them damaged too.
+std::uint32_t Decoder::payload_crc(std::span<const std::uint8_t> payload) {
+  if (position() >= searched_to_) {
+    counters_.work += payload.size();
+    return crc32_of(payload);
+  }
+  const std::uint64_t before = parts_.bytes_read();
+  const std::uint32_t crc = parts_.crc(payload, position() + kHeaderBytes);
+  counters_.work += parts_.bytes_read() - before;
+  return crc;
+}
+
 /// Copies what is missing of `need`; false when `bytes` did not hold that much.
 bool Decoder::fill(std::size_t need, std::span<const std::uint8_t>& bytes) {
   if (held() >= need) return true;
   if (begin_ == end_) begin_ = end_ = 0;
-  if (begin_ + need > buffer_.size()) {
-    if (held() > 0) std::memmove(buffer_.data(), buffer_.data() + begin_, held());
-    end_ -= std::exchange(begin_, 0);
-    if (need > buffer_.size()) buffer_.resize(need);
-  }
+  if (begin_ + need > buffer_.size()) make_room(need);
   const std::size_t taken = std::min(need - held(), bytes.size());
   if (taken > 0) std::memcpy(buffer_.data() + end_, bytes.data(), taken);
   end_ += taken;
   counters_.bytes += taken;
   bytes = bytes.subspan(taken);
   return held() >= need;
+}
+
+/// Moves what is held only if as much has gone before it: so each byte pays for at most one move of another.
+void Decoder::make_room(std::size_t need) {
+  if (held() <= begin_) {
+    if (held() > 0) std::memmove(buffer_.data(), buffer_.data() + begin_, held());
+    counters_.work += held();
+    end_ -= std::exchange(begin_, 0);
+  }
+  if (begin_ + need <= buffer_.size()) return;
+  counters_.work += end_;
+  buffer_.resize(begin_ == 0 ? need : 2 * need);  // begin_ < held() < need
 }
 
 void Decoder::skip(std::size_t bytes) {
@@ -108,6 +129,7 @@ void Decoder::skip_to_magic() {
 
 std::optional<Header> Decoder::judge_header() {
   const auto bytes = held_bytes().first(kHeaderBytes);
+  counters_.work += kCrcAt;
   if (crc32_of(bytes.first(kCrcAt)) != read_number<std::uint32_t>(bytes.data() + kCrcAt)) {
     ++counters_.header_crc;
     return std::nullopt;

@@ -17,10 +17,11 @@ Status check_directory(const std::filesystem::path& directory) {
 }
 
 /// Rows of frames.csv as files of `directory`.
-Result<std::vector<FrameEntry>> read_frames(const std::filesystem::path& directory, std::string_view folder) {
+Result<std::vector<FrameEntry>> read_frames(const std::filesystem::path& directory, std::string_view folder,
+                                            std::string* torn) {
   const auto text = read_table_text(directory / "frames.csv");
   if (!text) return text.error();
-  const auto rows = parse_frames_table(*text, (directory / "frames.csv").string(), folder);
+  const auto rows = parse_frames_table(*text, (directory / "frames.csv").string(), folder, torn);
   if (!rows) return rows.error();
   std::vector<FrameEntry> frames;
   for (const FrameRow& row : *rows) frames.push_back({directory / row.file, row.time, row.sequence});
@@ -72,13 +73,16 @@ Status check_sensor(const std::filesystem::path& file, const SensorConfig& senso
 Result<std::unique_ptr<Source>> open_recording(const std::filesystem::path& directory, RecordingDescription description,
                                                ReplayWindow window, RecordedPoses recorded_poses) {
   if (const auto there = check_directory(directory); !there) return there.error();
-  auto frames = read_frames(directory, "frames");
+  std::string torn;
+  auto frames = read_frames(directory, "frames", &torn);
   if (!frames) return frames.error();
   if (const auto there = check_directory(directory / "frames"); !there) return there.error();
   auto poses = recorded_poses == RecordedPoses::needed ? read_pose_track(directory / "poses.csv")
-                                                       : Result<PoseTrack>(PoseTrack::fixed(Pose{}));
+                                                       : RecordedTrack{PoseTrack::fixed(Pose{}), {}, {}};
   if (!poses) return poses.error();
-  return make_file_source({directory.string(), std::move(*frames), std::move(*poses), std::move(description.sensor)},
+  if (torn.empty()) torn = std::move(poses->torn);
+  return make_file_source({directory.string(), std::move(*frames), std::move(poses->poses),
+                           std::move(description.sensor), std::move(poses->variances), std::move(torn)},
                           window);
 }
 
@@ -88,12 +92,14 @@ Result<std::unique_ptr<Source>> open_pcd_directory(const std::filesystem::path& 
   auto poses = read_pose_track(directory / "poses.csv");
   if (!poses) return poses.error();
   std::error_code ignored;
-  auto frames = std::filesystem::exists(directory / "frames.csv", ignored) ? read_frames(directory, "")
-                                                                           : pair_with_poses(directory, *poses);
+  auto frames = std::filesystem::exists(directory / "frames.csv", ignored) ? read_frames(directory, "", nullptr)
+                                                                           : pair_with_poses(directory, poses->poses);
   if (!frames) return frames.error();
   SensorConfig cloud = sensor;
   cloud.projection.kind = ProjectionKind::cloud;
-  return make_file_source({directory.string(), std::move(*frames), std::move(*poses), std::move(cloud)}, window);
+  return make_file_source({directory.string(), std::move(*frames), std::move(poses->poses), std::move(cloud),
+                           std::move(poses->variances), std::move(poses->torn)},
+                          window);
 }
 
 Result<std::unique_ptr<Source>> open_range_file(const std::filesystem::path& file, std::optional<SensorConfig> sensor) {
@@ -105,7 +111,8 @@ Result<std::unique_ptr<Source>> open_range_file(const std::filesystem::path& fil
   } else if (const auto fits = check_sensor(file, *sensor); !fits) {
     return fits.error();
   }
-  return make_file_source({file.string(), {{file, Time{}, 0}}, PoseTrack::fixed(Pose{}), std::move(*sensor)}, {});
+  return make_file_source({file.string(), {{file, Time{}, 0}}, PoseTrack::fixed(Pose{}), std::move(*sensor), {}, {}},
+                          {});
 }
 
 }  // namespace scree::drivers

@@ -111,6 +111,8 @@ Status RecordedFrameReader::read_image(const std::filesystem::path& file, RangeF
   frame.range_m.assign(raw.rows(), raw.columns(), 0.0f);
   raw_to_range(raw.data(), projection_->range_offset_m.data(), projection_->range_per_count_m.data(),
                static_cast<std::int32_t>(projection_->config.invalid_raw), raw.size(), frame.range_m.data());
+  frame.raw = raw;
+  frame.reflectance = depth ? Grid<std::uint16_t>() : range_file_.reflectance;
   return depth ? Status{} : drop_weak_returns(name, frame.range_m);
 }
 

@@ -72,7 +72,7 @@ Result<std::unique_ptr<Source>> open_kitti(const std::filesystem::path& director
   }
   SensorConfig cloud = sensor;
   cloud.projection.kind = ProjectionKind::cloud;
-  return make_file_source({directory.string(), std::move(frames), std::move(*track), std::move(cloud)}, window);
+  return make_file_source({directory.string(), std::move(frames), std::move(*track), std::move(cloud), {}, {}}, window);
 }
 
 }  // namespace scree::drivers

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 #include "drivers/frame_pool.hpp"
 #include "drivers/recording_frame.hpp"
@@ -33,6 +34,8 @@ class FileSource final : public Source {
 
   /// Files never make anyone wait: the timeout is not used.
   Result<SourceEvent> next(std::chrono::milliseconds) override {
+    if (!setup_.remark.empty())
+      return SourceEvent{SourceEvent::Kind::notice, nullptr, std::exchange(setup_.remark, {})};
     if (next_ == setup_.frames.size()) return finished();
     const FrameEntry& entry = setup_.frames[next_++];
     const std::shared_ptr<RangeFrame> frame = pool_.take();
@@ -73,8 +76,24 @@ class FileSource final : public Source {
                                  seconds(frame.row_time[r]), r, coverage(setup_.poses, frame.row_time[r]))};
       frame.T_map_body[r] = *pose;
     }
+    frame.pose_variance = variance_at(frame.row_time.back());
     frame.received = MonotonicClock::now();
     return {};
+  }
+
+  /// Linear between the poses around `time`, which lies within them.
+  PoseVariance variance_at(Time time) const {
+    if (setup_.variances.empty()) return {};
+    const auto& poses = setup_.poses.poses();
+    const auto after = std::upper_bound(poses.begin(), poses.end(), time,
+                                        [](Time t, const StampedPose& pose) { return t < pose.time; });
+    const auto i = static_cast<std::size_t>(after - poses.begin()) - 1;
+    const PoseVariance& a = setup_.variances[i];
+    if (after == poses.end() || poses[i].time == time) return a;
+    const double weight = to_seconds(time - poses[i].time) / to_seconds(after->time - poses[i].time);
+    const PoseVariance& b = setup_.variances[i + 1];
+    return {a.position_m2 + weight * (b.position_m2 - a.position_m2),
+            a.attitude_rad2 + weight * (b.attitude_rad2 - a.attitude_rad2)};
   }
 
   SourceEvent skipped(std::string message) {
@@ -133,12 +152,17 @@ Result<std::string> read_table_text(const std::filesystem::path& file) {
   return std::string(io::as_text(bytes));
 }
 
-Result<PoseTrack> read_pose_track(const std::filesystem::path& file) {
+Result<RecordedTrack> read_pose_track(const std::filesystem::path& file) {
   const auto text = read_table_text(file);
   if (!text) return text.error();
-  auto poses = parse_poses_table(*text, file.string());
+  RecordedTrack track;
+  auto table = parse_uncertain_poses_table(*text, file.string(), &track.torn);
+  if (!table) return table.error();
+  auto poses = PoseTrack::make(std::move(table->poses));
   if (!poses) return poses.error();
-  return PoseTrack::make(std::move(*poses));
+  track.poses = *std::move(poses);
+  track.variances = std::move(table->variances);
+  return track;
 }
 
 Result<std::vector<std::filesystem::path>> list_files(const std::filesystem::path& directory,

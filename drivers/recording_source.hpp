@@ -20,6 +20,8 @@ struct FileSourceSetup {
   std::vector<FrameEntry> frames;  ///< times increase strictly
   PoseTrack poses;
   SensorConfig sensor;
+  std::vector<PoseVariance> variances;  ///< one a pose, or none
+  std::string remark;                   ///< told before the first frame; mostly empty
 };
 
 /// Applies the window and checks that the poses reach into it. Errors: bad_data (no frame in the list, poses that cover
@@ -30,7 +32,12 @@ Result<std::unique_ptr<Source>> make_file_source(FileSourceSetup setup, const Re
 Result<std::string> read_table_text(const std::filesystem::path& file);
 
 /// poses.csv → track. Errors: those of read_table_text and parse_poses_table.
-Result<PoseTrack> read_pose_track(const std::filesystem::path& file);
+struct RecordedTrack {
+  PoseTrack poses;
+  std::vector<PoseVariance> variances;  ///< one a pose, or none
+  std::string torn;                     ///< of a last line that was left out
+};
+Result<RecordedTrack> read_pose_track(const std::filesystem::path& file);
 
 /// Files of `directory` with that extension, sorted by name. Errors: no_input (no directory), bad_data (no such file).
 Result<std::vector<std::filesystem::path>> list_files(const std::filesystem::path& directory,

@@ -2,12 +2,11 @@
 // written.
 
 #include <bit>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <fmt/format.h>
+#include <utility>
 
 #include "drivers/depth_image.hpp"
+#include "drivers/line_file.hpp"
 #include "drivers/perceptron_file.hpp"
 #include "drivers/recording.hpp"
 #include "drivers/table.hpp"
@@ -18,52 +17,15 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, ".bin frames are written from memory as they are");
 
-/// A text file that grows line by line.
-class LineFile {
- public:
-  LineFile() = default;
-  LineFile(const LineFile&) = delete;
-  LineFile& operator=(const LineFile&) = delete;
-  ~LineFile() {
-    if (file_ != nullptr) std::fclose(file_);
-  }
-
-  Status open(const std::filesystem::path& path) {
-    path_ = path;
-    file_ = std::fopen(path.c_str(), "wb");
-    if (file_ != nullptr) return {};
-    return Error{ErrorKind::cannot_create,
-                 fmt::format("{}: cannot be created: {}", path.string(), std::strerror(errno))};
-  }
-  Status write(const std::string& text) {
-    if (file_ != nullptr && std::fwrite(text.data(), 1, text.size(), file_) == text.size()) return {};
-    return failed();
-  }
-  Status close() {
-    if (file_ == nullptr) return {};
-    const bool flushed = std::fflush(file_) == 0 && std::ferror(file_) == 0;
-    const Status status = flushed ? Status{} : failed();
-    const bool closed = std::fclose(file_) == 0;
-    file_ = nullptr;
-    return flushed && !closed ? failed() : status;
-  }
-
- private:
-  Status failed() const {
-    return Error{ErrorKind::io, fmt::format("{}: writing failed: {}", path_.string(), std::strerror(errno))};
-  }
-  std::filesystem::path path_;
-  std::FILE* file_ = nullptr;
-};
-
 Error bad_time(const std::filesystem::path& table, Time previous, Time time) {
   return {ErrorKind::bad_data,
           fmt::format("{}: expected a time above {} s, found {} s", table.string(),
                       format_seconds(previous.time_since_epoch()), format_seconds(time.time_since_epoch()))};
 }
 
-/// A directory that is new or empty: what someone recorded before is never mixed with what comes now.
-Status claim(const std::filesystem::path& directory) {
+}  // namespace
+
+Status claim_directory(const std::filesystem::path& directory) {
   const auto refused = [&](const std::string& what) {
     return Error{ErrorKind::cannot_create, fmt::format("{}: {}", directory.string(), what)};
   };
@@ -75,17 +37,16 @@ Status claim(const std::filesystem::path& directory) {
     if (failed) return refused("cannot be listed: " + failed.message());
     if (!empty) return refused("expected a new or empty directory to record into, found one that holds files");
   }
-  std::filesystem::create_directories(directory / "frames", failed);
+  std::filesystem::create_directories(directory, failed);
   if (failed) return refused("cannot be created: " + failed.message());
   return {};
 }
-
-}  // namespace
 
 struct RecordingWriter::State {
   std::filesystem::path directory;
   LineFile frames;
   LineFile poses;
+  PoseErrors pose_errors = PoseErrors::unknown;
   std::size_t frame_count = 0;
   std::optional<Time> last_frame;
   std::optional<Time> last_pose;
@@ -98,8 +59,13 @@ struct RecordingWriter::State {
     const std::string line = format_frame_row(row);
     if (const auto readable = parse_frames_table(std::string(kFramesHeader) + "\n" + line, table.string()); !readable)
       return readable.error();
-    if (auto written = io::write_bytes(directory / row.file, bytes); !written) return written;
-    if (auto written = frames.write(line); !written) return written;
+    Status written = io::write_bytes(directory / row.file, bytes);
+    if (written) written = frames.write(line);
+    if (!written) {  // a part of a frame is of no use, and the disk may be full
+      std::error_code ignored;
+      std::filesystem::remove(directory / row.file, ignored);
+      return written;
+    }
     last_frame = time;
     ++frame_count;
     return {};
@@ -112,16 +78,23 @@ RecordingWriter& RecordingWriter::operator=(RecordingWriter&&) noexcept = defaul
 RecordingWriter::~RecordingWriter() = default;
 
 Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& directory,
-                                                const std::string& recording_yaml) {
-  if (const auto claimed = claim(directory); !claimed) return claimed.error();
+                                                const std::string& recording_yaml, PoseErrors pose_errors) {
+  if (const auto claimed = claim_directory(directory); !claimed) return claimed.error();
+  std::error_code failed;
+  std::filesystem::create_directories(directory / "frames", failed);
+  if (failed)
+    return Error{ErrorKind::cannot_create,
+                 fmt::format("{}: cannot be created: {}", (directory / "frames").string(), failed.message())};
   const std::span yaml(reinterpret_cast<const std::uint8_t*>(recording_yaml.data()), recording_yaml.size());
   if (const auto written = io::write_bytes(directory / "recording.yaml", yaml); !written) return written.error();
   auto state = std::make_unique<State>();
   state->directory = directory;
+  state->pose_errors = pose_errors;
+  const std::string_view poses = pose_errors == PoseErrors::recorded ? kUncertainPosesHeader : kPosesHeader;
   if (const auto opened = state->frames.open(directory / "frames.csv"); !opened) return opened.error();
   if (const auto opened = state->poses.open(directory / "poses.csv"); !opened) return opened.error();
   if (const auto put = state->frames.write(std::string(kFramesHeader) + "\n"); !put) return put.error();
-  if (const auto put = state->poses.write(std::string(kPosesHeader) + "\n"); !put) return put.error();
+  if (const auto put = state->poses.write(std::string(poses) + "\n"); !put) return put.error();
   return RecordingWriter(std::move(state));
 }
 
@@ -137,7 +110,11 @@ Status RecordingWriter::add_raw_frame(ProjectionKind kind, const Grid<std::uint1
   const bool cmu = kind == ProjectionKind::perceptron_cmu && raw.rows() == kCmuSide && raw.columns() == kCmuSide;
   file.layout = cmu ? RangeFileLayout::cmu_words : RangeFileLayout::usf;  // other sizes need the header to be known
   file.raw = raw;
-  const auto bytes = encode_range_file(file);
+  return add_range_file(file, 0, time, sequence);
+}
+
+Status RecordingWriter::add_range_file(const RangeFile& file, int shift, Time time, std::uint64_t sequence) {
+  const auto bytes = encode_range_file(file, shift);
   return bytes ? state_->add_frame(*bytes, ".perc", time, sequence) : Status(bytes.error());
 }
 
@@ -149,14 +126,35 @@ Status RecordingWriter::add_cloud_frame(const std::vector<Eigen::Vector4f>& poin
 }
 
 Status RecordingWriter::add_pose(const StampedPose& pose) {
+  return add_poses(std::span(&pose, 1), {});
+}
+
+Status RecordingWriter::add_poses(std::span<const StampedPose> poses, const PoseVariance& variance) {
   const auto table = state_->directory / "poses.csv";
-  if (state_->last_pose && pose.time <= *state_->last_pose) return bad_time(table, *state_->last_pose, pose.time);
-  const std::string line = format_pose_row(pose);
-  if (const auto readable = parse_poses_table(std::string(kPosesHeader) + "\n" + line, table.string()); !readable)
+  const bool uncertain = state_->pose_errors == PoseErrors::recorded;
+  std::string lines;
+  std::optional<Time> last = state_->last_pose;
+  for (const StampedPose& pose : poses) {
+    if (last && pose.time <= *last) return bad_time(table, *last, pose.time);
+    last = pose.time;
+    lines += uncertain ? format_uncertain_pose_row(pose, variance) : format_pose_row(pose);
+  }
+  const std::string header(uncertain ? kUncertainPosesHeader : kPosesHeader);
+  if (const auto readable = parse_poses_table(header + "\n" + lines, table.string()); !readable)
     return readable.error();
-  if (auto written = state_->poses.write(line); !written) return written;
-  state_->last_pose = pose.time;
+  if (auto written = state_->poses.write(lines); !written) return written;
+  state_->last_pose = last;
   return {};
+}
+
+std::optional<Time> RecordingWriter::last_frame() const {
+  return state_->last_frame;
+}
+std::optional<Time> RecordingWriter::last_pose() const {
+  return state_->last_pose;
+}
+std::size_t RecordingWriter::frame_count() const {
+  return state_->frame_count;
 }
 
 Status RecordingWriter::finish() {

@@ -177,6 +177,8 @@ std::shared_ptr<const RangeFrame> Simulator::range_frame(const SimulatedFrame& f
     if (frame.raw[i] != 0)
       out->range_m[i] =
           s.projection->range_offset_m[i] + static_cast<float>(frame.raw[i]) * s.projection->range_per_count_m[i];
+  out->raw = frame.raw;
+  out->reflectance = frame.reflectance;
   for (int row = 0; row < s.rows(); ++row) {
     out->row_time.push_back(s.row_time(out->time, row));
     out->T_map_body.push_back(s.body_at(s.odometry, s.row_time(frame.time, row)));

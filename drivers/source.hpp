@@ -45,7 +45,7 @@ class SourceCounters {
   std::span<const Item> items() const { return std::span(items_).first(size_); }
 
  private:
-  std::array<Item, 20> items_{};
+  std::array<Item, 24> items_{};
   std::size_t size_ = 0;
 };
 

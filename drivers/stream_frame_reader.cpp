@@ -11,10 +11,6 @@
 namespace scree::drivers::stream {
 namespace {
 
-bool is_perceptron(ProjectionKind kind) {
-  return kind == ProjectionKind::perceptron_usf || kind == ProjectionKind::perceptron_cmu;
-}
-
 bool in_time(Time time) {
   return time.time_since_epoch() <= kMaxTime && time.time_since_epoch() >= -kMaxTime;
 }
@@ -141,7 +137,8 @@ bool FrameReader::read_poses() {
                     fmt::format("({}, {}, {}), norm {}", t.x(), t.y(), t.z(), q.norm()));
     if (!in_time(pose.time) || (!poses_.empty() && pose.time <= poses_.back().time))
       return refuse("pose times", "increasing Unix times", seconds(pose.time));
-    pose.T_map_body.rotation = q.normalized();  // as PoseTrack does it: a recording of the frame gives the same bits
+    pose.T_map_body.rotation = q;
+    normalise(pose.T_map_body);  // as PoseTrack does it: a recording of the frame gives the same bits
     poses_.push_back(pose);
   }
   return true;
@@ -177,16 +174,21 @@ bool FrameReader::place_rows(RangeFrame& frame) {
 }
 
 bool FrameReader::read_words(RangeFrame& frame) {
-  frame.range_m.reshape(projection_->rows, projection_->columns);
+  const int rows = projection_->rows, columns = projection_->columns;
+  const bool reflects = word_bytes_ == 4;
+  frame.range_m.reshape(rows, columns);
+  frame.raw.reshape(rows, columns);
+  frame.reflectance.reshape(reflects ? rows : 0, reflects ? columns : 0);
   const RangeLaw law{projection_->range_offset_m.data(), projection_->range_per_count_m.data(),
                      static_cast<std::int32_t>(projection_->config.invalid_raw)};
+  const PixelsOut out{frame.range_m.data(), frame.raw.data(), frame.reflectance.data()};
   const std::size_t pixels = frame.range_m.size();
-  if (word_bytes_ == 4) {
+  if (reflects) {
     ranges_of_words(words_.data(), pixels, law, reflectance_shift_,
-                    static_cast<std::uint32_t>(sensor_->filter.min_reflectance), frame.range_m.data());
+                    static_cast<std::uint32_t>(sensor_->filter.min_reflectance), out);
     return true;
   }
-  const std::uint16_t any = ranges_of_counts(words_.data(), pixels, law, frame.range_m.data());
+  const std::uint16_t any = ranges_of_counts(words_.data(), pixels, law, out);
   if (any <= kRangeBits || !is_perceptron(projection_->config.kind)) return true;
   return refuse("words", "counts of 0 … 4095", "a larger one");
 }

@@ -30,8 +30,9 @@ class FrameReader {
       : sensor_for_(std::move(sensor_for)), poses_needed_(poses_needed) {}
 
   /// Fills `frame` for Taken::frame (metres along the ray, NaN for the invalid code and for returns below the sensor's
-  /// min_reflectance); `frame` is unspecified otherwise and reason() says why. No allocation when the geometry is that
-  /// of the frame before. Errors: those of `sensor_for`.
+  /// min_reflectance; the counts as the device told them, reflectance with 4-byte words); `frame` is unspecified
+  /// otherwise and reason() says why. No allocation when the geometry is that of the frame before. Errors: those of
+  /// `sensor_for`.
   Result<Taken> take(const Message& message, RangeFrame& frame);
 
   /// For the last message that was neither frame nor geometry: what was expected and what was found.

@@ -18,12 +18,8 @@ struct StreamSourceConfig {
   Origin origin = Origin::live;              ///< what the frames are unless the device says that it is simulated
 };
 
-/// Retries begin at the first and double up to the second.
-inline constexpr std::chrono::milliseconds kFirstRetry{100};
-inline constexpr std::chrono::milliseconds kLastRetry{2000};
-
-/// Connects at the first question for a frame and again whenever the connection is lost or falls silent: that is a
-/// notice, never an error, and the stream has no end. A message that was refused is Kind::skipped. From the first
+/// Connects at the first question for a frame and again (Retry) whenever the connection is lost or falls silent: that
+/// is a notice, never an error, and the stream has no end. A message that was refused is Kind::skipped. From the first
 /// simulated frame on the origin is sim (hil stays hil) for good. Errors: usage (the address); next(): those of
 /// `sensor_for`.
 Result<std::unique_ptr<Source>> open_stream(const StreamSourceConfig& config, stream::SensorFor sensor_for);

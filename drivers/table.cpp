@@ -66,6 +66,14 @@ std::string path_fault(std::string_view file) {
   }
 }
 
+Result<std::uint64_t> parse_count(std::string_view field, const char* what) {
+  std::uint64_t count = 0;
+  const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), count);
+  if (status != std::errc{} || end != field.data() + field.size())
+    return Error{ErrorKind::bad_data, fmt::format("expected {}, found '{}'", what, shown(field))};
+  return count;
+}
+
 Result<FrameRow> parse_frame_row(std::span<const std::string_view> fields, std::string_view folder) {
   FrameRow row;
   if (const std::string fault = path_fault(fields[0]); !fault.empty())
@@ -80,9 +88,9 @@ Result<FrameRow> parse_frame_row(std::span<const std::string_view> fields, std::
   const auto time = parse_time(fields[1]);
   if (!time) return time.error();
   row.time = *time;
-  const auto [end, status] = std::from_chars(fields[2].data(), fields[2].data() + fields[2].size(), row.sequence);
-  if (status != std::errc{} || end != fields[2].data() + fields[2].size())
-    return Error{ErrorKind::bad_data, fmt::format("expected an unsigned sequence, found '{}'", shown(fields[2]))};
+  const auto sequence = parse_count(fields[2], "an unsigned sequence");
+  if (!sequence) return sequence.error();
+  row.sequence = *sequence;
   return row;
 }
 
@@ -106,6 +114,18 @@ Result<StampedPose> parse_pose_row(std::span<const std::string_view> fields) {
   return StampedPose{*time, Pose{{value[1], value[2], value[3]}, rotation}};
 }
 
+Result<PoseVariance> parse_variance(std::span<const std::string_view> fields) {
+  PoseVariance variance;
+  for (int i = 0; i < 6; ++i) {
+    const std::string_view field = fields[static_cast<std::size_t>(i)];
+    const auto number = parse_number(field);
+    if (!number || *number < 0.0)
+      return Error{ErrorKind::bad_data, fmt::format("expected a variance of at least 0, found '{}'", shown(field))};
+    (i < 3 ? variance.position_m2[i] : variance.attitude_rad2[i - 3]) = *number;
+  }
+  return variance;
+}
+
 Status check_increasing(Time previous, Time time) {
   if (time > previous) return {};
   return Error{ErrorKind::bad_data,
@@ -124,12 +144,14 @@ Result<double> parse_number(std::string_view field) {
   return value;
 }
 
-Status parse_table(std::string_view text, const std::string& name, std::string_view header, const TableRow& row) {
+Status parse_table(std::string_view text, const std::string& name, std::string_view header, const TableRow& row,
+                   std::string* torn) {
   std::vector<std::string_view> expected, fields;
   split(header, expected);
   std::size_t empty_line = 0;
   for (std::size_t line = 1; line == 1 || !text.empty(); ++line) {
     const std::size_t end = text.find('\n');
+    const bool may_be_torn = torn != nullptr && end == std::string_view::npos && line > 1;
     split(text.substr(0, end), fields);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     if (line == 1) {
@@ -142,43 +164,77 @@ Status parse_table(std::string_view text, const std::string& name, std::string_v
       continue;
     }
     if (empty_line != 0) return at_line(name, empty_line, "expected a row, found an empty line");
-    if (fields.size() != expected.size())
-      return at_line(name, line,
-                     fmt::format("expected {} columns ({}), found {}", expected.size(), header, fields.size()));
-    if (const auto taken = row(line, fields); !taken) return at_line(name, line, taken.error().message);
+    Status taken = Error{ErrorKind::bad_data,
+                         fmt::format("expected {} columns ({}), found {}", expected.size(), header, fields.size())};
+    if (fields.size() == expected.size()) taken = row(line, fields);
+    if (taken) continue;
+    if (!may_be_torn) return at_line(name, line, taken.error().message);
+    *torn = fmt::format("{}:{}: the last line has no end and is left out: {}", name, line, taken.error().message);
   }
   return {};
 }
 
 Result<std::vector<FrameRow>> parse_frames_table(std::string_view text, const std::string& name,
-                                                 std::string_view folder) {
+                                                 std::string_view folder, std::string* torn) {
   std::vector<FrameRow> rows;
-  const auto parsed = parse_table(text, name, kFramesHeader, [&](std::size_t, auto fields) -> Status {
-    auto row = parse_frame_row(fields, folder);
-    if (!row) return row.error();
-    if (!rows.empty())
-      if (const auto increasing = check_increasing(rows.back().time, row->time); !increasing) return increasing;
-    rows.push_back(std::move(*row));
-    return {};
-  });
+  const auto parsed = parse_table(
+      text, name, kFramesHeader,
+      [&](std::size_t, auto fields) -> Status {
+        auto row = parse_frame_row(fields, folder);
+        if (!row) return row.error();
+        if (!rows.empty())
+          if (const auto increasing = check_increasing(rows.back().time, row->time); !increasing) return increasing;
+        rows.push_back(std::move(*row));
+        return {};
+      },
+      torn);
   if (!parsed) return parsed.error();
   if (rows.empty()) return at_line(name, 2, "expected at least one frame, found none");
   return rows;
 }
 
-Result<std::vector<StampedPose>> parse_poses_table(std::string_view text, const std::string& name) {
-  std::vector<StampedPose> poses;
-  const auto parsed = parse_table(text, name, kPosesHeader, [&](std::size_t, auto fields) -> Status {
-    const auto pose = parse_pose_row(fields);
+Result<PosesTable> parse_uncertain_poses_table(std::string_view text, const std::string& name, std::string* torn) {
+  PosesTable table;
+  const bool uncertain = text.substr(0, text.find('\n')).find("var_") != std::string_view::npos;
+  const auto take = [&](std::size_t, std::span<const std::string_view> fields) -> Status {
+    const auto pose = parse_pose_row(fields.first(8));
     if (!pose) return pose.error();
-    if (!poses.empty())
-      if (const auto increasing = check_increasing(poses.back().time, pose->time); !increasing) return increasing;
-    poses.push_back(*pose);
+    if (!table.poses.empty())
+      if (const auto increasing = check_increasing(table.poses.back().time, pose->time); !increasing) return increasing;
+    if (uncertain) {
+      const auto variance = parse_variance(fields.subspan(8));
+      if (!variance) return variance.error();
+      table.variances.push_back(*variance);
+    }
+    table.poses.push_back(*pose);
     return {};
-  });
+  };
+  const auto parsed = parse_table(text, name, uncertain ? kUncertainPosesHeader : kPosesHeader, take, torn);
   if (!parsed) return parsed.error();
-  if (poses.empty()) return at_line(name, 2, "expected at least one pose, found none");
-  return poses;
+  if (table.poses.empty()) return at_line(name, 2, "expected at least one pose, found none");
+  return table;
+}
+
+Result<std::vector<StampedPose>> parse_poses_table(std::string_view text, const std::string& name, std::string* torn) {
+  auto table = parse_uncertain_poses_table(text, name, torn);
+  if (!table) return table.error();
+  return std::move(table->poses);
+}
+
+Result<std::vector<OrderRow>> parse_order_table(std::string_view text, const std::string& name, std::string* torn) {
+  std::vector<OrderRow> rows;
+  const auto take = [&](std::size_t, std::span<const std::string_view> fields) -> Status {
+    if (const std::string fault = path_fault(fields[0]);
+        !fault.empty() || fields[0].find('/') != std::string_view::npos)
+      return Error{ErrorKind::bad_data, fmt::format("expected the name of a folder, found '{}'", shown(fields[0]))};
+    const auto frame = parse_count(fields[1], "the place of a frame");
+    if (!frame) return frame.error();
+    rows.push_back({std::string(fields[0]), *frame});
+    return {};
+  };
+  if (const auto parsed = parse_table(text, name, kOrderHeader, take, torn); !parsed) return parsed.error();
+  if (rows.empty()) return at_line(name, 2, "expected at least one frame, found none");
+  return rows;
 }
 
 std::string format_frame_row(const FrameRow& row) {
@@ -190,6 +246,18 @@ std::string format_pose_row(const StampedPose& pose) {  // fmt's {} gives the sh
   const auto& q = pose.T_map_body.rotation;
   return fmt::format("{},{},{},{},{},{},{},{}\n", format_seconds(pose.time.time_since_epoch()), t.x(), t.y(), t.z(),
                      q.x(), q.y(), q.z(), q.w());
+}
+
+std::string format_uncertain_pose_row(const StampedPose& pose, const PoseVariance& variance) {
+  std::string row = format_pose_row(pose);
+  row.pop_back();
+  const auto& p = variance.position_m2;
+  const auto& a = variance.attitude_rad2;
+  return row + fmt::format(",{},{},{},{},{},{}\n", p.x(), p.y(), p.z(), a.x(), a.y(), a.z());
+}
+
+std::string format_order_row(const OrderRow& row) {
+  return fmt::format("{},{}\n", row.recording, row.frame);
 }
 
 }  // namespace scree::drivers

@@ -20,7 +20,7 @@ inline constexpr std::uint8_t kFrameEndpoint = 0x81;
 
 /// Vendor requests to the interface (bmRequestType 0xC1 in, 0x41 out; wIndex = number of the interface).
 enum class Request : std::uint8_t {
-  get_info = 1,       ///< in, 8 bytes: protocol major, minor (u8), 0 (u16), largest message in bytes (u32), little-endian
+  get_info = 1,  ///< in, 8 bytes: protocol major, minor (u8), 0 (u16), largest message in bytes (u32), little-endian
   set_streaming = 2,  ///< out, no data: wValue 1 = begin with GEOMETRY at the start of a message, 0 = stop
 };
 inline constexpr std::uint16_t kInfoBytes = 8;

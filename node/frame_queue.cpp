@@ -1,32 +1,113 @@
 #include "node/frame_queue.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace scree::node {
+namespace {
 
-bool FrameQueue::push(std::shared_ptr<const RangeFrame> frame, const std::stop_token& stop) {
+/// A source that was silent for this long holds nobody back.
+constexpr Duration kDelivering = std::chrono::seconds(1);
+/// What threads that are scheduled late add to a frame's way.
+constexpr Duration kMargin = std::chrono::milliseconds(5);
+/// Of the largest lateness, a frame: half is forgotten after some 35 frames.
+constexpr double kKept = 0.98;
+
+}  // namespace
+
+Time end_time(const RangeFrame& frame) {
+  return frame.row_time.empty() ? frame.time : frame.row_time.back();
+}
+
+bool FrameQueue::push(std::shared_ptr<const RangeFrame> frame, std::size_t source, Time now,
+                      const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  if (policy_ == QueuePolicy::lossless) {
-    if (!changed_.wait(lock, stop, [this] { return frames_.size() < capacity_; })) return false;
+  Lane& lane = lanes_[source];
+  if (config_.policy == QueuePolicy::lossless) {
+    if (!changed_.wait(lock, stop, [&] { return lane.frames.size() < config_.capacity; })) return false;
   } else {
-    while (frames_.size() >= capacity_) {
-      frames_.pop_front();
-      ++dropped_;
+    while (lane.frames.size() >= config_.capacity) {
+      lane.frames.pop_front();
+      ++lane.losses.dropped;
     }
   }
-  frames_.push_back(std::move(frame));
+  const Time end = std::min(end_time(*frame), now);  // a clock that runs ahead must not make everybody else late
+  const Duration age = std::clamp(now - end, Duration(0), config_.merge);
+  const auto remembered = static_cast<double>(lane.lateness.count()) * kKept;
+  lane.lateness = std::max(age, Duration(static_cast<Duration::rep>(remembered)));
+  lane.last_arrival = MonotonicClock::now();
+  lane.frames.push_back({std::move(frame), end, *lane.last_arrival, age});
+  if (!waiting_since_) waiting_since_ = lane.last_arrival;
   changed_.notify_all();
   return true;
 }
 
-std::shared_ptr<const RangeFrame> FrameQueue::pop(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  if (!changed_.wait(lock, stop, [this] { return closed_ || !frames_.empty(); })) return nullptr;
-  if (frames_.empty()) return nullptr;
-  auto frame = std::move(frames_.front());
-  frames_.pop_front();
+std::optional<std::size_t> FrameQueue::earliest() const {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < lanes_.size(); ++i)
+    if (!lanes_[i].frames.empty() && (!best || lanes_[i].frames.front().end < lanes_[*best].frames.front().end))
+      best = i;
+  return best;
+}
+
+/// When nobody else can be expected to bring an earlier frame than the front of `source`.
+MonotonicTime FrameQueue::due(std::size_t source) const {
+  const Waiting& front = lanes_[source].frames.front();
+  MonotonicTime due = front.arrival;
+  if (closed_) return due;
+  for (std::size_t i = 0; i < lanes_.size(); ++i) {
+    const Lane& other = lanes_[i];
+    const bool delivering = other.last_arrival && front.arrival - *other.last_arrival < kDelivering;
+    if (i == source || !delivering || !other.frames.empty()) continue;
+    due = std::max(due, front.arrival + std::max(Duration(0), other.lateness + kMargin - front.age));
+  }
+  return std::min(due, front.arrival + config_.merge);
+}
+
+/// Whether the front of `lane` comes after a later frame; then it is gone.
+bool FrameQueue::is_late(Lane& lane) {
+  if (!given_ || lane.frames.front().end >= *given_) return false;
+  lane.frames.pop_front();
+  ++lane.losses.late;
+  if (!earliest()) waiting_since_.reset();
+  return true;
+}
+
+FrameQueue::Entry FrameQueue::take(std::size_t source) {
+  Lane& lane = lanes_[source];
+  Entry entry{std::move(lane.frames.front().frame), source};
+  const Time end = lane.frames.front().end;
+  given_ = given_ ? std::max(*given_, end) : end;
+  lane.frames.pop_front();
+  waiting_since_.reset();
+  if (earliest()) waiting_since_ = MonotonicClock::now();
   changed_.notify_all();
-  return frame;
+  return entry;
+}
+
+FrameQueue::Entry FrameQueue::pop(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  const bool merges = lanes_.size() > 1 && config_.policy == QueuePolicy::newest_wins;
+  while (!stop.stop_requested()) {
+    const auto source = earliest();
+    if (!source) {
+      if (closed_) return {};
+      changed_.wait(lock, stop, [&] { return closed_ || earliest().has_value(); });
+      continue;
+    }
+    if (!merges) return take(*source);
+    if (is_late(lanes_[*source])) continue;
+    const MonotonicTime when = due(*source);
+    if (MonotonicClock::now() >= when) return take(*source);
+    // what comes meanwhile may be earlier, or release this one
+    const auto arrivals = [&] {
+      std::size_t waiting = 0;
+      for (const Lane& lane : lanes_) waiting += lane.frames.empty() ? 0 : 1;
+      return waiting;
+    };
+    changed_.wait_until(lock, stop, when, [&, before = arrivals()] { return closed_ || arrivals() != before; });
+  }
+  return {};
 }
 
 void FrameQueue::close() {
@@ -35,9 +116,21 @@ void FrameQueue::close() {
   changed_.notify_all();
 }
 
+std::optional<MonotonicTime> FrameQueue::waiting_since() const {
+  const std::lock_guard lock(mutex_);
+  return waiting_since_;
+}
+
+FrameQueue::Losses FrameQueue::losses(std::size_t source) const {
+  const std::lock_guard lock(mutex_);
+  return lanes_[source].losses;
+}
+
 std::uint64_t FrameQueue::dropped() const {
   const std::lock_guard lock(mutex_);
-  return dropped_;
+  std::uint64_t sum = 0;
+  for (const Lane& lane : lanes_) sum += lane.losses.dropped + lane.losses.late;
+  return sum;
 }
 
 }  // namespace scree::node

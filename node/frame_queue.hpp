@@ -1,5 +1,5 @@
 #pragma once
-// Frames on their way from acquire to map.
+// Frames on their way from the sources' threads to map.
 
 #include <condition_variable>
 #include <cstddef>
@@ -7,8 +7,11 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
+#include <vector>
 
+#include "core/time.hpp"
 #include "drivers/frame/range_frame.hpp"
 
 namespace scree::node {
@@ -18,26 +21,68 @@ enum class QueuePolicy {
   newest_wins,  ///< live: a full queue loses its oldest frame, counted
 };
 
+/// When the last row of `frame` was taken.
+Time end_time(const RangeFrame& frame);
+
+/// A lane for each source. With several, live, pop() gives the frames in the order of their ends: it holds a frame back
+/// as long as another source that is delivering may still bring an earlier one, judged by how late its frames came up
+/// to now, and at most for `merge`. A frame that comes after a later one was given is dropped and counted as late.
 class FrameQueue {
  public:
-  FrameQueue(QueuePolicy policy, std::size_t capacity) : policy_(policy), capacity_(capacity) {}
+  struct Config {
+    QueuePolicy policy = QueuePolicy::lossless;
+    std::size_t capacity = 1;  ///< of each lane
+    std::size_t sources = 1;
+    Duration merge{0};
+  };
+  struct Entry {
+    std::shared_ptr<const RangeFrame> frame;  ///< null: there is none
+    std::size_t source = 0;
+  };
+  struct Losses {
+    std::uint64_t dropped = 0;  ///< superseded by a newer one of the same source
+    std::uint64_t late = 0;
+  };
 
-  /// False when `stop` came while waiting for room.
-  bool push(std::shared_ptr<const RangeFrame> frame, const std::stop_token& stop);
-  /// Null when the queue is closed and empty, or on `stop`.
-  std::shared_ptr<const RangeFrame> pop(const std::stop_token& stop);
+  explicit FrameQueue(const Config& config) : config_(config), lanes_(config.sources) {}
+
+  /// False when `stop` came while waiting for room. `now` is the system's clock, of which the frame's times are.
+  bool push(std::shared_ptr<const RangeFrame> frame, std::size_t source, Time now, const std::stop_token& stop);
+  /// No frame when the queue is closed and empty, or on `stop`.
+  Entry pop(const std::stop_token& stop);
   /// No frame will follow; what is in the queue still comes out.
   void close();
 
-  std::uint64_t dropped() const;
+  /// Since when there is something to take that nobody has taken; none = nothing waits.
+  std::optional<MonotonicTime> waiting_since() const;
+
+  Losses losses(std::size_t source) const;
+  std::uint64_t dropped() const;  ///< both kinds, of all sources
 
  private:
-  const QueuePolicy policy_;
-  const std::size_t capacity_;
+  struct Waiting {
+    std::shared_ptr<const RangeFrame> frame;
+    Time end;
+    MonotonicTime arrival;
+    Duration age{0};  ///< at its arrival
+  };
+  struct Lane {
+    std::deque<Waiting> frames;
+    std::optional<MonotonicTime> last_arrival;
+    Duration lateness{0};  ///< age at arrival: the largest of late, slowly forgotten
+    Losses losses;
+  };
+  std::optional<std::size_t> earliest() const;
+  MonotonicTime due(std::size_t source) const;
+  bool is_late(Lane& lane);
+  Entry take(std::size_t source);
+
+  const Config config_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::deque<std::shared_ptr<const RangeFrame>> frames_;
-  std::uint64_t dropped_ = 0;
+  std::vector<Lane> lanes_;
+  std::optional<Time> given_;  ///< end of the latest frame that was given
+  std::optional<MonotonicTime> waiting_since_;
   bool closed_ = false;
 };
 

@@ -76,6 +76,7 @@ std::uint16_t HealthState::update(const Condition& condition) {
   judge(kHealthPoseStale, condition.pose_stale, condition.now, kRecovery);
   judge(kHealthOverload, condition.frames_dropped > frames_dropped_, condition.now, kOverloadRecovery);
   judge(kHealthClockStepped, stepped_, condition.now, kClockRecovery);
+  judge(kHealthRecordingFailed, condition.recording_failed, condition.now, kRecovery);
   judge(kHealthFault, condition.fault, condition.now, Duration::max());
   frames_dropped_ = condition.frames_dropped;
   stepped_ = false;

@@ -22,6 +22,7 @@ struct Condition {
   bool sensor_stale = false;
   bool sensor_lost = false;
   bool pose_stale = false;
+  bool recording_failed = false;     ///< live recording ended early or dropped frames
   bool fault = false;                ///< an error of the node itself: stays for good
   std::uint64_t frames_dropped = 0;  ///< ever
 };

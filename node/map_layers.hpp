@@ -17,9 +17,10 @@ struct MapLayer {
   io::ColourScale scale;
 };
 
-/// cost, elevation, dimension, amplitude, cell_state, elevation_sigma, dimension_sigma, slope, step, hits; and where the
-/// map has them cell_age and, a received one has not, elevation_mean, risk and dimension_flags: the bits of
-/// fractal::DimensionFlag, NaN where there is no D. 0 hits are NaN where they cannot be known to be 0: in measured and in never seen cells.
+/// cost, elevation, dimension, amplitude, cell_state, elevation_sigma, dimension_sigma, slope, step, hits; and where
+/// the map has them cell_age and, a received one has not, elevation_mean, risk and dimension_flags: the bits of
+/// fractal::DimensionFlag, NaN where there is no D. 0 hits are NaN where they cannot be known to be 0: in measured and
+/// in never seen cells.
 std::vector<MapLayer> map_layers(const mapping::MapSnapshot& map);
 
 }  // namespace scree::node

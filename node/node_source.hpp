@@ -18,7 +18,8 @@ Result<std::unique_ptr<drivers::Source>> open_input(const std::string& path, con
                                                     const drivers::ReplayWindow& window,
                                                     const config::Settings& settings);
 
-/// What `scree run` acquires from: source.* of the configuration. Errors as above; bad_config for source.kind none.
-Result<std::unique_ptr<drivers::Source>> open_live(const config::Settings& settings);
+/// One of the sources that `scree run` acquires from. Errors as above; bad_config for kind none.
+Result<std::unique_ptr<drivers::Source>> open_live(const config::SourceSettings& source,
+                                                   const config::Settings& settings);
 
 }  // namespace scree::node

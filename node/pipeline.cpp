@@ -2,15 +2,15 @@
 
 #include <chrono>
 #include <cmath>
-#include <spdlog/spdlog.h>
+#include <pthread.h>
+#include <string>
+#include <thread>
 #include <utility>
 
 #include "node/udp_poses.hpp"
 
 namespace scree::node {
 namespace {
-
-constexpr std::chrono::milliseconds kSourceTimeout{100};
 
 std::unique_ptr<PoseProvider> make_poses(const PipelineConfig& config, PoseInput& input) {
   const auto& pose = config.settings.pose;
@@ -20,164 +20,155 @@ std::unique_ptr<PoseProvider> make_poses(const PipelineConfig& config, PoseInput
     case config::PoseSource::fixed:
       return std::make_unique<StaticPose>(pose.T_map_body);
     case config::PoseSource::udp:
-      return std::make_unique<UdpPoses>(input, std::chrono::milliseconds(pose.max_age_ms), config.rate.has_value());
+      return std::make_unique<UdpPoses>(input, std::chrono::milliseconds(pose.max_age_ms), config.played);
   }
   return nullptr;
 }
 
+/// What an operator sees in top -H and a debugger.
+template <class Body>
+std::jthread named_thread(std::string name, Body body) {
+  return std::jthread([name = std::move(name), body = std::move(body)](const std::stop_token& stop) {
+    ::pthread_setname_np(::pthread_self(), name.c_str());
+    body(stop);
+  });
+}
+
+FrameQueue::Config queue_config(const PipelineConfig& config, std::size_t sources) {
+  const auto& node = config.settings.node;
+  const bool live = config.policy == QueuePolicy::newest_wins;
+  return {config.policy, live ? 1 : static_cast<std::size_t>(node.queue_frames), sources,
+          std::chrono::milliseconds(node.merge_ms)};
+}
+
 }  // namespace
 
-Pipeline::Pipeline(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<Inbox> inbox,
-                   std::unique_ptr<Publisher> publisher)
+Pipeline::Pipeline(PipelineConfig config, std::vector<NodeSource> sources, std::unique_ptr<Inbox> inbox,
+                   std::unique_ptr<Publisher> publisher, std::unique_ptr<Recorder> recorder)
     : config_(std::move(config)),
-      source_(std::move(source)),
-      pacer_(config_.rate),
-      queue_(config_.policy, config_.policy == QueuePolicy::newest_wins
-                                 ? 1
-                                 : static_cast<std::size_t>(config_.settings.node.queue_frames)),
+      queue_(queue_config(config_, sources.size())),
       pool_(config_.settings.node.threads),
       inbox_(std::move(inbox)),
       poses_(make_poses(config_, inbox_->poses())),
       mapper_(config_.settings.map, pool_),
       publisher_(std::move(publisher)),
-      last_frame_(MonotonicClock::now()) {  // the sensor is not late for what was built until now
+      recorder_(std::move(recorder)),
+      source_states_(sources.size()),
+      sources_(sources.size()) {
   for (int i = 1; i < pool_.threads(); ++i)
-    workers_.emplace_back([this](const std::stop_token& stop) { pool_.work(stop); });
-  receive_thread_ = std::jthread([this](const std::stop_token& stop) { receive(stop); });
-  publish_thread_ = std::jthread([this](const std::stop_token& stop) { publish(stop); });
-  map_thread_ = std::jthread([this] { map_frames(stop_.get_token()); });
-  acquire_thread_ = std::jthread([this] { acquire(stop_.get_token()); });
+    workers_.push_back(named_thread("scree-worker", [this](const std::stop_token& stop) { pool_.work(stop); }));
+  if (recorder_) record_thread_ = named_thread("scree-record", [this](const std::stop_token&) { record(); });
+  receive_thread_ = named_thread("scree-receive", [this](const std::stop_token& stop) { receive(stop); });
+  publish_thread_ = named_thread("scree-publish", [this](const std::stop_token& stop) { publish(stop); });
+  map_thread_ = named_thread("scree-map", [this](const std::stop_token&) { map_frames(stop_.get_token()); });
+  const std::lock_guard lock(sources_mutex_);
+  const auto now = MonotonicClock::now();  // no sensor is late for what was built until now
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    source_states_[i].statistics.name = sources[i].name;
+    source_states_[i].last_frame = now;
+    sources_[i].setup = std::move(sources[i]);
+  }
+  for (std::size_t i = 0; i < sources.size(); ++i) start_source(i, std::move(sources_[i].setup.source));
+  if (live())
+    supervise_thread_ = named_thread("scree-watch", [this](const std::stop_token& stop) { supervise(stop); });
 }
 
 Pipeline::~Pipeline() {
   request_stop();  // acquire and map; publish then ends by itself, and the workers' jthreads stop them
+  if (supervise_thread_.joinable()) {
+    supervise_thread_.request_stop();
+    supervise_thread_.join();
+  }
+  end_sources();
+}
+
+/// Under sources_mutex_. Without a source the thread opens it.
+void Pipeline::start_source(std::size_t index, std::unique_ptr<drivers::Source> source) {
+  Acquired& acquired = sources_[index];
+  acquired.run = std::make_shared<SourceRun>(acquired.setup, std::move(source), index, static_cast<SourceEvents&>(*this));
+  acquired.thread = named_thread("scree-source" + std::to_string(index),
+                                 [run = acquired.run](const std::stop_token& stop) { run->run(stop); });
 }
 
 void Pipeline::request_stop() {
+  {
+    const std::lock_guard lock(sources_mutex_);
+    for (Acquired& acquired : sources_) acquired.thread.request_stop();
+  }
   stop_.request_stop();
 }
 
 bool Pipeline::wait_finished(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, timeout, [this] { return finished_; });
-}
-
-// ---- acquire ----
-
-void Pipeline::acquire(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    const auto more = acquire_event(stop);
-    if (!more) fail(more.error(), false);
-    if (!more || !*more) break;
-  }
-  queue_.close();
-  const std::lock_guard lock(mutex_);
-  source_ended_ = true;
-}
-
-Result<bool> Pipeline::acquire_event(const std::stop_token& stop) {
-  auto event = source_->next(kSourceTimeout);
-  copy_source_counters();
-  if (!event) return event.error();
-  switch (event->kind) {
-    case drivers::SourceEvent::Kind::timeout:
-      return true;
-    case drivers::SourceEvent::Kind::skipped:
-      count_skipped(event->message);
-      return true;
-    case drivers::SourceEvent::Kind::notice:
-      spdlog::warn("{}", event->message);
-      return true;
-    case drivers::SourceEvent::Kind::frame:
-      if (!event->message.empty()) spdlog::warn("frame taken: {}", event->message);
-      return deliver(std::move(event->frame), stop);
-    case drivers::SourceEvent::Kind::end_of_stream:
-      return restart_source();
-  }
-  return false;
-}
-
-bool Pipeline::deliver(std::shared_ptr<const RangeFrame> frame, const std::stop_token& stop) {
-  if (!pacer_.wait(frame->time, stop)) return false;
-  if (pacer_.paced()) {  // it is "received" when it is released, not when it was read from the file
-    auto released = std::make_shared<RangeFrame>(*frame);
-    released->received = MonotonicClock::now();
-    frame = std::move(released);
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    ++statistics_.frames_in;
-    last_frame_ = MonotonicClock::now();
-    origin_ = source_->origin();  // told before the map that holds the frame is
-  }
-  ++frames_since_restart_;
-  return queue_.push(std::move(frame), stop);
-}
-
-/// An empty stream is not begun again: it would never end.
-Result<bool> Pipeline::restart_source() {
-  if (!config_.reopen || frames_since_restart_ == 0) return false;
-  auto source = config_.reopen();
-  if (!source) return source.error();
-  source_ = *std::move(source);
-  pacer_.restart();
-  frames_since_restart_ = 0;
-  return true;
+  return changed_.wait_for(lock, timeout, [this] { return finished_ && (recorder_ == nullptr || recorded_); });
 }
 
 // ---- map ----
 
 void Pipeline::map_frames(const std::stop_token& stop) {
-  while (const auto frame = queue_.pop(stop)) {
+  for (;;) {
+    map_beat_.rest();
+    const auto entry = queue_.pop(stop);
+    if (entry.frame == nullptr) break;
+    map_beat_.touch();
     note_first_frame();
-    const MonotonicTime taken = config_.policy == QueuePolicy::newest_wins ? frame->received : MonotonicClock::now();
     if (poses_ == nullptr) {
-      map_frame(*frame, taken, stop);
+      map_frame(entry, *entry.frame);
     } else {
-      posed_ = *frame;
-      map_frame(posed_, taken, stop);
+      posed_ = *entry.frame;
+      if (place(stop)) map_frame(entry, posed_);
     }
   }
+  if (recorder_) recorder_->close();
   const std::lock_guard lock(mutex_);
   map_ended_ = true;
   changed_.notify_all();
 }
 
-void Pipeline::map_frame(const RangeFrame& frame, MonotonicTime taken, const std::stop_token& stop) {
-  if (poses_ != nullptr) {
-    const bool fresh = poses_->provide(posed_, stop);
-    const std::lock_guard lock(mutex_);
-    pose_stale_ = !fresh;
-    if (!fresh) {
-      ++statistics_.frames_pose_stale;
-      return;
-    }
-  }
+/// The poses of `posed_`; false when there are none that hold.
+bool Pipeline::place(const std::stop_token& stop) {
+  const bool fresh = poses_->provide(posed_, stop);
+  map_beat_.touch();
+  const std::lock_guard lock(mutex_);
+  pose_stale_ = !fresh;
+  statistics_.frames_pose_stale += fresh ? 0U : 1U;
+  return fresh;
+}
+
+/// `frame` is that of `entry` with the poses to be used.
+void Pipeline::map_frame(const FrameQueue::Entry& entry, const RangeFrame& frame) {
+  const MonotonicTime taken = live() ? frame.received : MonotonicClock::now();
   const auto report = mapper_.step(frame);
   if (!report) {
-    if (report.error().kind == ErrorKind::bad_data) return count_skipped(report.error().message);
+    if (report.error().kind == ErrorKind::bad_data) return skipped(entry.source, report.error().message);
     fail(report.error(), true);
     return request_stop();
   }
   auto snapshot = mapper_.snapshot();
   const auto measured = snapshot != nullptr ? snapshot->measured_cells() : 0;
-  const std::lock_guard lock(mutex_);
-  ++statistics_.frames_mapped;
-  statistics_.pixels += report->counts;
-  statistics_.points_fused += report->points_fused;
-  statistics_.points_outside += report->points_outside;
-  statistics_.points_outlier += report->points_outlier;
-  statistics_.points_other_surface += report->points_other_surface;
-  statistics_.points_unsupported += report->points_unsupported;
-  count_alignment(report->alignment);
-  statistics_.cells_measured = measured;
-  const auto now = MonotonicClock::now();
-  latency_.add(now - taken);
-  statistics_.mapping = now - *first_taken_;
-  map_ = std::move(snapshot);
-  map_taken_ = taken;
-  report_pose(frame);
-  changed_.notify_all();
+  drivers::Origin origin{};
+  {
+    const std::lock_guard lock(mutex_);
+    ++statistics_.frames_mapped;
+    ++source_states_[entry.source].statistics.frames_mapped;
+    statistics_.pixels += report->counts;
+    statistics_.points_fused += report->points_fused;
+    statistics_.points_outside += report->points_outside;
+    statistics_.points_outlier += report->points_outlier;
+    statistics_.points_other_surface += report->points_other_surface;
+    statistics_.points_unsupported += report->points_unsupported;
+    count_alignment(report->alignment);
+    statistics_.cells_measured = measured;
+    const auto now = MonotonicClock::now();
+    latency_.add(now - taken);
+    statistics_.mapping = now - *first_taken_;
+    map_ = std::move(snapshot);
+    map_taken_ = taken;
+    origin = origin_.value_or(drivers::Origin::live);
+    report_pose(frame);
+    changed_.notify_all();
+  }
+  if (recorder_) recorder_->add(entry.source, entry.frame, frame.T_map_body, frame.pose_variance, origin);
 }
 
 /// Under the lock.
@@ -189,11 +180,21 @@ void Pipeline::count_alignment(const mapping::AlignmentReport& alignment) {
   statistics_.registration_m = std::sqrt(registration_m2_ / static_cast<double>(statistics_.frames_mapped));
 }
 
+// ---- record ----
+
+void Pipeline::record() {
+  recorder_->run();
+  const std::lock_guard lock(mutex_);
+  recorded_ = true;
+  changed_.notify_all();
+}
+
 // ---- publish ----
 
 void Pipeline::publish(const std::stop_token& stop) {
   std::shared_ptr<const mapping::MapSnapshot> sent;
   for (;;) {
+    publish_beat_.touch();
     take_requests();
     const auto now = MonotonicClock::now();
     const Duration next = publisher_->tick(now, status(now));
@@ -212,6 +213,7 @@ void Pipeline::publish(const std::stop_token& stop) {
     }
     if ((map_ended_ && map_ == sent) || stop.stop_requested()) break;
   }
+  publish_beat_.rest();  // what follows is bounded by the publisher's own limits
   if (const auto ended = publisher_->finish(status(MonotonicClock::now()), bye_reason(), [this] { take_requests(); });
       !ended) {
     const std::lock_guard lock(mutex_);
@@ -244,8 +246,12 @@ void Pipeline::take_poses() {
 void Pipeline::receive(const std::stop_token& stop) {
   constexpr std::chrono::milliseconds kSlice{50};
   while (!stop.stop_requested()) {
+    receive_beat_.touch();
     const auto requested = inbox_->poll(kSlice, requests_);
-    if (!requested) return fail(requested.error(), true);
+    if (!requested) {
+      receive_beat_.rest();  // the fault is told: there is nothing more to watch
+      return fail(requested.error(), true);
+    }
     const InboxCounters counters = inbox_->counters();
     const std::lock_guard lock(mutex_);
     statistics_.inbox = counters;

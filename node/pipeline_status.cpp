@@ -1,6 +1,6 @@
 // What the pipeline's threads count and tell each other, and what it says of itself.
 
-#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <spdlog/spdlog.h>
@@ -8,11 +8,12 @@
 
 #include "node/pipeline.hpp"
 #include "node/protocol_header.hpp"
+#include "node/saturate.hpp"
 
 namespace scree::node {
 namespace {
 
-constexpr std::uint64_t kSkippedShown = 10;
+constexpr std::array<const char*, 4> kStateNames{"no frame yet", "frames come", "stale", "lost"};
 
 /// A row's pose as it goes out.
 protocol::PoseMessage pose_message(const RangeFrame& frame) {
@@ -58,17 +59,36 @@ void Pipeline::copy_publisher_counters() {
   statistics_.health_changes = health_.transitions();
 }
 
-void Pipeline::copy_source_counters() {
-  const auto counters = source_->counters();
-  const std::lock_guard lock(mutex_);
-  statistics_.source = counters;
+/// Under the lock. One sensor that is stale or lost is enough for the bit: HEARTBEAT says which.
+void Pipeline::judge_sensors(NodeStatus& status, Condition& condition) {
+  using protocol::SensorState;
+  const auto& node = config_.settings.node;
+  for (std::size_t i = 0; i < source_states_.size(); ++i) {
+    SourceState& source = source_states_[i];
+    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(condition.now - source.last_frame);
+    const bool lost = live() && (source.ended || age.count() > node.sensor_lost_ms);
+    const bool stale = live() && age.count() > node.sensor_stale_ms;
+    condition.sensor_stale = condition.sensor_stale || stale;
+    condition.sensor_lost = condition.sensor_lost || lost;
+    SensorState state = lost ? SensorState::lost : stale ? SensorState::stale : SensorState::ok;
+    if (!source.has_frame) state = SensorState::waiting;
+    status.sensors[i] = {static_cast<std::uint8_t>(i), state, saturate<std::uint32_t>(age.count())};
+    if (source_states_.size() > 1 && std::exchange(source.told, state) != state)
+      spdlog::info("source {}: {}", source.statistics.name, kStateNames[static_cast<std::size_t>(state)]);
+  }
+  status.sensor_count = static_cast<std::uint8_t>(source_states_.size());
+}
+
+/// Since the publish thread looked last: a frame that was lost, or the whole rest of them.
+bool Pipeline::recording_is_incomplete() {
+  const RecorderCounters counters = recorder_->counters();
+  const std::uint64_t lost = counters.dropped + counters.refused;
+  return std::exchange(recording_lost_, lost) != lost || counters.failed;
 }
 
 /// Of the publish thread.
 NodeStatus Pipeline::status(MonotonicTime now) {
   const auto dropped = queue_.dropped();
-  const bool live = config_.policy == QueuePolicy::newest_wins;
-  const auto& node = config_.settings.node;
   bool certain = false;
   if (const ClockReading clocks = read_clocks(certain); certain) health_.note_clocks(clocks);
   const auto newest_pose = poses_come_by_udp() ? inbox_->poses().newest() : std::nullopt;
@@ -80,28 +100,16 @@ NodeStatus Pipeline::status(MonotonicTime now) {
   condition.pose_stale = poses_come_by_udp() && (!newest_pose || now - newest_pose->delivered > max_pose_age);
   {
     const std::lock_guard lock(mutex_);
-    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(now - last_frame_);
     status.frames_in = statistics_.frames_in;
     status.origin = origin_;
-    status.sensor_age_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(age.count(), 0, UINT32_MAX));
-    condition.sensor_stale = live && age.count() > node.sensor_stale_ms;
-    condition.sensor_lost = live && (source_ended_ || age.count() > node.sensor_lost_ms);
+    judge_sensors(status, condition);
     condition.pose_stale = condition.pose_stale || pose_stale_;
     condition.fault = faulty_;
   }
+  if (recorder_) condition.recording_failed = recording_is_incomplete();
   condition.fault = condition.fault || publisher_->error().has_value();
   status.health = health_.update(condition);
   return status;
-}
-
-void Pipeline::count_skipped(const std::string& message) {
-  std::uint64_t skipped = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    skipped = ++statistics_.frames_skipped;
-  }
-  if (skipped <= kSkippedShown) spdlog::warn("frame skipped: {}", message);
-  if (skipped == kSkippedShown) spdlog::warn("further skipped frames are only counted");
 }
 
 void Pipeline::fail(Error error, bool fault) {
@@ -115,6 +123,13 @@ Statistics Pipeline::statistics() const {
   const std::lock_guard lock(mutex_);
   Statistics statistics = statistics_;
   statistics.frames_dropped = dropped;
+  for (std::size_t i = 0; i < source_states_.size(); ++i) {
+    const FrameQueue::Losses losses = queue_.losses(i);
+    statistics.sources.push_back(source_states_[i].statistics);
+    statistics.sources.back().frames_dropped = losses.dropped;
+    statistics.sources.back().frames_late = losses.late;
+  }
+  if (recorder_) statistics.recorder = recorder_->counters();
   statistics.latency_p50 = latency_.percentile(0.5);
   statistics.latency_p99 = latency_.percentile(0.99);
   statistics.latency_max = latency_.max();

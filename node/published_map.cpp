@@ -30,13 +30,6 @@ bool clock_is_locked() {
   return answer >= 0 && answer != TIME_ERROR && (state.status & STA_UNSYNC) == 0;
 }
 
-protocol::SensorState sensor_state(const NodeStatus& status) {
-  if (status.frames_in == 0) return protocol::SensorState::waiting;
-  if (status.health & protocol::kHealthSensorLost) return protocol::SensorState::lost;
-  if (status.health & protocol::kHealthSensorStale) return protocol::SensorState::stale;
-  return protocol::SensorState::ok;
-}
-
 std::uint32_t to_us(Duration duration) {
   return saturate<std::uint32_t>(std::chrono::duration_cast<std::chrono::microseconds>(duration).count());
 }
@@ -84,8 +77,8 @@ protocol::Heartbeat PublishedMap::heartbeat(MonotonicTime now) const {
   message.latency_p99_us = to_us(latency.percentile(0.99));
   message.latency_max_us = to_us(latency.max());
   message.tiles_known = book.tiles_known();
-  message.sensor_count = 1;
-  message.sensors[0] = {0, sensor_state(status), status.sensor_age_ms};
+  message.sensor_count = status.sensor_count;
+  message.sensors = status.sensors;
   return message;
 }
 

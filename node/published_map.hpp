@@ -18,8 +18,9 @@ namespace scree::node {
 struct NodeStatus {
   std::uint64_t frames_in = 0;
   std::uint64_t frames_dropped = 0;
-  std::uint16_t health = 0;               ///< bits of the common header (protocol::Health)
-  std::uint32_t sensor_age_ms = 0;        ///< since the last frame
+  std::uint16_t health = 0;  ///< bits of the common header (protocol::Health)
+  std::array<protocol::SensorReport, protocol::kMaxSensors> sensors{};
+  std::uint8_t sensor_count = 0;
   std::optional<drivers::Origin> origin;  ///< set: of the frames, in place of what Publisher::open was told
 };
 

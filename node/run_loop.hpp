@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/result.hpp"
 #include "node/pipeline.hpp"
@@ -19,7 +21,12 @@ struct Outcome {
 
 /// Runs until the source ends or a signal comes. Errors: what ended the source early; bad_data when it ended without
 /// one frame that could be mapped.
-Result<Outcome> run_to_end(PipelineConfig config, std::unique_ptr<drivers::Source> source, std::unique_ptr<Inbox> inbox,
-                           std::unique_ptr<Publisher> publisher);
+/// Tells systemd, when it asked, that the node is ready, how it is, and that it lives: the watchdog is fed only while
+/// acquire, map, publish and receive all advance.
+Result<Outcome> run_to_end(PipelineConfig config, std::vector<NodeSource> sources, std::unique_ptr<Inbox> inbox,
+                           std::unique_ptr<Publisher> publisher, std::unique_ptr<Recorder> recorder);
+
+/// "front, rear"; of one source its own name.
+std::string names_of(const std::vector<NodeSource>& sources);
 
 }  // namespace scree::node

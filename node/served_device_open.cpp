@@ -11,10 +11,6 @@
 namespace scree::node {
 namespace {
 
-bool is_perceptron(ProjectionKind kind) {
-  return kind == ProjectionKind::perceptron_usf || kind == ProjectionKind::perceptron_cmu;
-}
-
 /// Perceptron words have their reflectance beside the range, as the scanner has.
 drivers::stream::Geometry geometry_of(const drivers::Simulator& simulator, const std::string& sensor) {
   drivers::stream::Geometry geometry{simulator.description().sensor, 2, "simulated " + sensor};

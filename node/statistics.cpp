@@ -38,9 +38,24 @@ nlohmann::ordered_json publisher_json(const PublisherCounters& publisher, std::u
           {"send_blocked", publisher.send_blocked}};
 }
 
-nlohmann::ordered_json source_json(const drivers::SourceCounters& source) {
+nlohmann::ordered_json counters_json(const drivers::SourceCounters& counters) {
   auto json = nlohmann::ordered_json::object();
-  for (const auto& item : source.items()) json[item.name] = item.value;
+  for (const auto& item : counters.items()) json[item.name] = item.value;
+  return json;
+}
+
+nlohmann::ordered_json sources_json(const std::vector<SourceStatistics>& sources) {
+  auto json = nlohmann::ordered_json::array();
+  for (const SourceStatistics& s : sources)
+    json.push_back({{"name", s.name},
+                    {"frames_in", s.frames_in},
+                    {"frames_skipped", s.frames_skipped},
+                    {"frames_dropped", s.frames_dropped},
+                    {"frames_late", s.frames_late},
+                    {"frames_mapped", s.frames_mapped},
+                    {"failures", s.failures},
+                    {"abandoned", s.abandoned},
+                    {"counters", counters_json(s.counters)}});
   return json;
 }
 
@@ -97,7 +112,7 @@ std::string to_line(const Statistics& s) {
 }
 
 std::string to_json(const Statistics& s) {
-  const nlohmann::ordered_json json{
+  nlohmann::ordered_json json{
       {"frames_in", s.frames_in},
       {"frames_dropped", s.frames_dropped},
       {"frames_skipped", s.frames_skipped},
@@ -125,12 +140,19 @@ std::string to_json(const Statistics& s) {
       {"elapsed_s", to_seconds(s.elapsed)},
       {"mapping_s", to_seconds(s.mapping)},
       {"frames_per_s", s.frames_per_s()},
-      {"source", source_json(s.source)},
+      {"source", counters_json(s.sources.size() == 1 ? s.sources[0].counters : drivers::SourceCounters())},
+      {"sources", sources_json(s.sources)},
       {"publisher", publisher_json(s.publisher, s.poses_superseded)},
       {"clients", clients_json(s)},
       {"received", received_json(s)},
       {"health_changes", s.health_changes},
       {"pixels", pixel_json(s.pixels)}};
+  if (s.recorder)
+    json["recording"] = {{"frames", s.recorder->frames},
+                         {"dropped", s.recorder->dropped},
+                         {"refused", s.recorder->refused},
+                         {"restamped", s.recorder->restamped},
+                         {"failed", s.recorder->failed}};
   return json.dump(2);
 }
 

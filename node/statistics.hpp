@@ -2,20 +2,36 @@
 // What the node counted, as a line for the log and as JSON.
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/time.hpp"
 #include "drivers/frame/point_frame.hpp"
 #include "drivers/source.hpp"
 #include "node/inbox.hpp"
 #include "node/publisher.hpp"
+#include "node/recorder.hpp"
 
 namespace scree::node {
+
+/// What became of one source's frames.
+struct SourceStatistics {
+  std::string name;
+  std::uint64_t frames_in = 0;
+  std::uint64_t frames_skipped = 0;
+  std::uint64_t frames_dropped = 0;  ///< superseded by a newer one of the same source
+  std::uint64_t frames_late = 0;     ///< came after a later frame of another source was mapped
+  std::uint64_t frames_mapped = 0;
+  std::uint64_t failures = 0;        ///< errors after which it was opened again
+  std::uint64_t abandoned = 0;       ///< calls that did not return in time: their thread was left behind
+  drivers::SourceCounters counters;  ///< what it counts of its own
+};
 
 struct Statistics {
   std::uint64_t frames_in = 0;          ///< good frames that the source delivered
   std::uint64_t frames_skipped = 0;     ///< bad ones, which it could not read or which contradict their geometry
-  std::uint64_t frames_dropped = 0;     ///< live: superseded by a newer one before they were mapped
+  std::uint64_t frames_dropped = 0;     ///< live: superseded before they were mapped, or late
   std::uint64_t frames_pose_stale = 0;  ///< no fresh pose: not integrated
   std::uint64_t frames_mapped = 0;
   PixelCounts pixels;  ///< of the frames mapped
@@ -32,8 +48,9 @@ struct Statistics {
   Duration latency_p50{0};  ///< frame in to map out; replay: from the moment the map stage takes the frame
   Duration latency_p99{0};
   Duration latency_max{0};
-  drivers::SourceCounters source;  ///< what it counts of its own
-  Duration latency_out_p50{0};  ///< the same to the last changed block out, at the configured destination
+  std::vector<SourceStatistics> sources;
+  std::optional<RecorderCounters> recorder;  ///< none = nothing is recorded
+  Duration latency_out_p50{0};               ///< the same to the last changed block out, at the configured destination
   Duration latency_out_p99{0};
   Duration latency_out_max{0};
   PublisherCounters publisher;

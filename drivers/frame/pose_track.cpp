@@ -40,7 +40,7 @@ Result<PoseTrack> PoseTrack::make(std::vector<StampedPose> poses) {
     if (i > 0 && poses[i].time <= poses[i - 1].time)
       return wrong_pose(i, "a time after " + format_seconds(poses[i - 1].time.time_since_epoch()) + " s",
                         format_seconds(poses[i].time.time_since_epoch()) + " s");
-    poses[i].T_map_body.rotation.normalize();
+    normalise(poses[i].T_map_body);
   }
   PoseTrack track;
   track.poses_ = std::move(poses);

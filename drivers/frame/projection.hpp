@@ -16,6 +16,10 @@ namespace scree {
 
 enum class ProjectionKind : std::uint8_t { perceptron_usf, perceptron_cmu, spherical, pinhole, cloud };
 
+inline bool is_perceptron(ProjectionKind kind) {
+  return kind == ProjectionKind::perceptron_usf || kind == ProjectionKind::perceptron_cmu;
+}
+
 /// One pixel's ray in sensor axes (Perceptron: x left, y up, z out; pinhole: x right, y down, z out; spherical and
 /// clouds: x forward, y left, z up). Double precision: the reference that the tables are made from.
 struct PixelRay {

@@ -59,9 +59,9 @@ int run_command_line(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 ok, 64 usage, 65 bad data, 66 no such input, 69 device or port\n"
       "unavailable, 70 bug, 73 cannot create output, 74 I/O error, 78 bad configuration.");
-  std::vector<Command> commands{add_run(app),        add_replay(app),    add_simulate(app),
-                                add_listen(app),     add_plan(app),      add_top(app),
-                                add_synthesize(app), add_dimension(app), add_reconstruct(app)};
+  std::vector<Command> commands{add_run(app),         add_replay(app), add_simulate(app),   add_listen(app),
+                                add_plan(app),        add_top(app),    add_synthesize(app), add_dimension(app),
+                                add_reconstruct(app), add_devices(app)};
   for (auto& command : add_config(app)) commands.push_back(std::move(command));
   start_log();
   try {

@@ -29,6 +29,7 @@ Command add_synthesize(CLI::App& app);
 Command add_listen(CLI::App& app);
 Command add_plan(CLI::App& app);
 Command add_top(CLI::App& app);
+Command add_devices(CLI::App& app);
 Command add_dimension(CLI::App& app);
 Command add_reconstruct(CLI::App& app);
 std::vector<Command> add_config(CLI::App& app);

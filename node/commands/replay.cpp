@@ -62,17 +62,23 @@ Result<int> run_replay(const ReplayOptions& options) {
   if (!window) return window.error();
   auto settings = options.config.load();
   if (!settings) return settings.error();
-  const auto open = [options, window = *window, settings = *settings] {
+  const OpenSource open = [options, window = *window, settings = *settings] {
     return open_input(options.recording, options.format, window, settings);
+  };
+  const auto open_one = [&]() -> Result<std::vector<NodeSource>> {
+    auto source = open();
+    if (!source) return source.error();
+    std::vector<NodeSource> one;
+    one.push_back({options.recording, *std::move(source), open, options.loop, *rate, std::nullopt});
+    return one;
   };
   NodeRun run;
   run.pipeline.settings = *std::move(settings);
   run.pipeline.policy = QueuePolicy::lossless;
-  run.pipeline.rate = *rate;
-  if (options.loop) run.pipeline.reopen = open;
+  run.pipeline.played = rate->has_value();
   run.origin = drivers::Origin::replay;
   run.output = options.output;
-  return run_node(std::move(run), open);
+  return run_node(std::move(run), open_one);
 }
 
 }  // namespace

@@ -1,8 +1,13 @@
 // scree run: the live node; the newest frame wins.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "node/commands/command_line.hpp"
 #include "node/commands/run_node.hpp"
@@ -14,27 +19,50 @@ namespace {
 struct RunOptions {
   ConfigOptions config;
   OutputOptions output;
+  std::optional<std::string> record;
 };
 
-/// What the datagrams say: a simulated device and a recording say it themselves, whatever the configuration claims.
+/// What the datagrams say before the first frame: a simulated device and a recording say it themselves, whatever the
+/// configuration claims.
 drivers::Origin origin_of(const config::Settings& settings) {
-  if (settings.source.kind == config::SourceKind::recording) return drivers::Origin::replay;
-  if (settings.source.kind == config::SourceKind::simulated) return drivers::Origin::sim;
-  return settings.publish.origin;
+  const auto sources = settings.all_sources();
+  const auto has = [&](config::SourceKind kind) {
+    return std::any_of(sources.begin(), sources.end(), [&](const auto& source) { return source.kind == kind; });
+  };
+  if (has(config::SourceKind::recording)) return drivers::Origin::replay;
+  return has(config::SourceKind::simulated) ? drivers::Origin::sim : settings.publish.origin;
+}
+
+bool is_recording(const config::SourceSettings& source) {
+  return source.kind == config::SourceKind::recording;
+}
+
+/// One of several may be a device that is not there yet; what is wrong with the configuration is said at once.
+Result<std::vector<NodeSource>> open_all(const config::Settings& settings) {
+  std::vector<NodeSource> sources;
+  for (const config::SourceSettings& source : settings.all_sources()) {
+    OpenSource open = [source, settings] { return open_live(source, settings); };
+    auto opened = open();
+    if (!opened) return opened.error();
+    const auto rate = is_recording(source) ? std::optional(1.0) : std::nullopt;
+    sources.push_back({source.name_at(sources.size()), *std::move(opened), std::move(open), source.loop, rate,
+                       std::chrono::milliseconds(source.deadline_ms)});
+  }
+  return sources;
 }
 
 Result<int> run_live(const RunOptions& options) {
   auto settings = options.config.load();
   if (!settings) return settings.error();
-  const auto open = [settings = *settings] { return open_live(settings); };
+  const auto all = settings->all_sources();
   NodeRun run;
   run.origin = origin_of(*settings);
-  if (settings->source.kind == config::SourceKind::recording) run.pipeline.rate = 1.0;
-  if (settings->source.loop) run.pipeline.reopen = open;
+  run.pipeline.played = std::all_of(all.begin(), all.end(), is_recording);
   run.pipeline.policy = QueuePolicy::newest_wins;
-  run.pipeline.settings = *std::move(settings);
   run.output = options.output;
-  return run_node(std::move(run), open);
+  run.record = options.record;
+  run.pipeline.settings = *settings;
+  return run_node(std::move(run), [settings = *std::move(settings)] { return open_all(settings); });
 }
 
 }  // namespace
@@ -45,6 +73,10 @@ Command add_run(CLI::App& app) {
   options->config.add_to(*command);
   command->get_option("--config")->required();
   options->output.add_to(*command);
+  command
+      ->add_option("--record", options->record,
+                   "Record what is mapped into this new or empty directory; `scree replay` gives the same map")
+      ->type_name("DIR");
   return {command, [options] { return run_live(*options); }};
 }
 

@@ -5,11 +5,13 @@
 #include <spdlog/spdlog.h>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "config/loader.hpp"
 #include "node/listen_report.hpp"
 #include "node/map_output.hpp"
 #include "node/protocol_header.hpp"
+#include "node/recorder.hpp"
 #include "node/run_loop.hpp"
 
 namespace scree::node {
@@ -29,9 +31,19 @@ Status write_outputs(const OutputOptions& options, const std::optional<MapOutput
   return options.json ? print(json + '\n') : Status{};
 }
 
+/// Null without --record.
+Result<std::unique_ptr<Recorder>> open_recorder(const NodeRun& run, const std::vector<NodeSource>& sources) {
+  if (!run.record) return std::unique_ptr<Recorder>();
+  std::vector<std::string> names;
+  for (const NodeSource& source : sources) names.push_back(source.name);
+  auto recorder = Recorder::open(*run.record, run.pipeline.settings.record, names);
+  if (recorder) spdlog::info("recording into {}", *run.record);
+  return recorder;
+}
+
 }  // namespace
 
-Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<drivers::Source>>()>& open) {
+Result<int> run_node(NodeRun run, const OpenSources& open) {
   std::optional<MapOutput> map_output;
   if (run.output.map_out) {
     auto prepared = MapOutput::prepare(*run.output.map_out);
@@ -42,11 +54,11 @@ Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<dri
     if (const auto possible = check_picture_path("--snapshot", *run.output.snapshot); !possible)
       return possible.error();
   }
+  auto sources = open();
+  if (!sources) return sources.error();
   if (run.pipeline.settings.pose.source == config::PoseSource::udp && run.pipeline.policy == QueuePolicy::lossless &&
-      !run.pipeline.rate)
+      !sources->front().rate)
     return Error{ErrorKind::usage, "--rate max: expected a pace with pose.source udp, whose poses come in real time"};
-  auto source = open();
-  if (!source) return source.error();
 
   const config::Settings& settings = run.pipeline.settings;
   const std::uint32_t hash = protocol::config_hash(config::dump_settings(settings));
@@ -59,10 +71,13 @@ Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<dri
   const std::string listen_address = settings.publish.listen.substr(0, settings.publish.listen.find(':'));
   spdlog::info("listening at {}:{}", listen_address, (*inbox)->port());
 
-  const std::string name = (*source)->name();
+  auto recorder = open_recorder(run, *sources);
+  if (!recorder) return recorder.error();
+  const std::string name = names_of(*sources);
   spdlog::info("{} → {} as {}, configuration {:08x}", name, settings.publish.destination, origin_name(run.origin),
                hash);
-  auto outcome = run_to_end(std::move(run.pipeline), *std::move(source), *std::move(inbox), *std::move(publisher));
+  auto outcome = run_to_end(std::move(run.pipeline), *std::move(sources), *std::move(inbox), *std::move(publisher),
+                            *std::move(recorder));
   if (!outcome) return outcome.error();
   const std::string caption = std::string(origin_name(run.origin)) + "   " + name;
   if (auto written = write_outputs(run.output, map_output, *outcome, caption); !written) return written.error();

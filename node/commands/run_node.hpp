@@ -3,6 +3,9 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "core/result.hpp"
 #include "drivers/source.hpp"
@@ -15,9 +18,13 @@ struct NodeRun {
   PipelineConfig pipeline;
   drivers::Origin origin = drivers::Origin::live;
   OutputOptions output;
+  std::optional<std::string> record;  ///< directory of a live recording
 };
 
+/// Several sources that are opened one after the other; the first error ends it.
+using OpenSources = std::function<Result<std::vector<NodeSource>>()>;
+
 /// Returns exit code 0, or why not.
-Result<int> run_node(NodeRun run, const std::function<Result<std::unique_ptr<drivers::Source>>()>& open);
+Result<int> run_node(NodeRun run, const OpenSources& open);
 
 }  // namespace scree::node

@@ -114,7 +114,7 @@ TEST(SettingsLoader, ContradictionsAreReportedBesideUnknownKeysAndWrongTypes) {
   EXPECT_THAT(faults, HasSubstr("--set: publish.refresh_ms: expected an integer"));
   EXPECT_THAT(faults,
               HasSubstr("robot.yaml:3:23: node.sensor_stale_ms: expected sensor_stale_ms of at most sensor_lost_ms"));
-  EXPECT_THAT(faults, HasSubstr("source.path with source.kind recording"));
+  EXPECT_THAT(faults, HasSubstr("path with kind recording"));
   EXPECT_THAT(faults, HasSubstr("robot.yaml:8:3: sensor.range_max_m: expected range_min_m below range_max_m"));
   EXPECT_THAT(faults, HasSubstr("sensor.parameters.fx_px: expected projection pinhole, found another one"));
   EXPECT_THAT(faults, Not(HasSubstr("two vehicle lengths"))) << "track_m is faulty: nobody knows the vehicle's length";

@@ -180,6 +180,36 @@ TEST(StreamFrameReader, WeakReturnsAreNoReturns) {
   for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(std::isnan(ears.frames[0].range_m[i]), i > 5) << i;
 }
 
+TEST(StreamFrameReader, TheCountsArriveAsTheDeviceToldThem) {
+  const TestFrame sent = test_frame(0);
+  Ears ears;
+  ears.hear(encoded(test_encoder(), sent));
+  ASSERT_EQ(ears.frames.size(), 1u);
+  EXPECT_EQ(ears.frames[0].raw, sent.raw);
+  EXPECT_EQ(ears.frames[0].reflectance, sent.reflectance);
+}
+
+TEST(StreamFrameReader, TwoByteWordsTellNoReflectanceEvenInAFrameThatHeldSome) {
+  Geometry geometry = test_scanner();
+  geometry.word_bytes = 2;
+  geometry.sensor.projection.reflectance_shift = 0;
+  const auto narrow = Encoder::make(geometry, kTestBoot, true);
+  ASSERT_TRUE(narrow) << narrow.error().message;
+  const TestFrame sent = test_frame(1);
+  Bytes bytes = encoded(test_encoder(), test_frame(0));
+  const Bytes behind = encoded(*narrow, sent);
+  bytes.insert(bytes.end(), behind.begin(), behind.end());
+  Decoder decoder;
+  FrameReader reader(as_told, true);
+  RangeFrame frame;
+  std::vector<std::size_t> reflectances;
+  std::span<const std::uint8_t> left(bytes);
+  while (const auto message = decoder.next(left))
+    if (*reader.take(*message, frame) == Taken::frame) reflectances.push_back(frame.reflectance.size());
+  EXPECT_EQ(reflectances, (std::vector<std::size_t>{12, 0}));
+  EXPECT_EQ(frame.raw, sent.raw);
+}
+
 TEST(StreamFrameReader, GapsInTheNumbersOfABootAreCounted) {
   const Encoder encoder = test_encoder();
   const auto other = Encoder::make(test_scanner(), 99, true);
@@ -234,6 +264,7 @@ TEST(StreamFrameReader, EverySimulatedSensorsFrameArrivesToTheLastBit) {
     ASSERT_EQ(ears.frames.size(), 1u) << name << ": " << ears.reader.reason();
     const RangeFrame& frame = ears.frames[0];
     EXPECT_TRUE(same_bits(frame.range_m, expected->range_m)) << name;
+    EXPECT_EQ(frame.raw, rendered->raw) << name;
     EXPECT_TRUE(same_bits(frame.projection->direction_x, expected->projection->direction_x)) << name;
     EXPECT_EQ(frame.row_time, expected->row_time);
     for (std::size_t r = 0; r < frame.T_map_body.size(); ++r) {

@@ -38,7 +38,7 @@ const std::map<std::string, Rule> kFolders{
        "client", "client/examples"},
       {"Eigen/", "fmt/", "CLI/", "spdlog/", "nlohmann/", "sodium.h", "zlib.h", "sys/socket.h", "netinet/",
        "arpa/inet.h", "netdb.h", "sys/random.h", "sys/timex.h", "sys/epoll.h", "sys/eventfd.h", "sys/signalfd.h",
-       "poll.h"}}},
+       "poll.h", "pthread.h"}}},
     {"client/examples", {{"client", "client/examples"}, {}}},
     {"client", {{}, {"sys/socket.h", "netinet/in.h", "arpa/inet.h", "poll.h", "sys/random.h", "time.h"}}},
 };
@@ -55,7 +55,16 @@ const std::map<std::string, Rule> kAdapters{
     {"drivers/checksum.cpp", {{}, {"zlib.h"}}},
     {"drivers/stream_socket.cpp", {{}, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/inet.h", "poll.h"}}},
     {"drivers/usbredir_port.hpp", {{}, {"usbredirparser.h"}}},
+    {"drivers/usb_context.cpp", {{}, {"libusb.h"}}},
+    {"drivers/usb_devices.cpp", {{}, {"libusb.h"}}},
+    {"drivers/usb_interface.cpp", {{}, {"libusb.h"}}},
+    {"drivers/usb_link.cpp", {{}, {"libusb.h"}}},
+    {"drivers/usb_transfers.cpp", {{}, {"libusb.h"}}},
+    {"drivers/v4l2_handle.cpp", {{}, {"poll.h", "sys/ioctl.h"}}},
+    {"drivers/v4l2_capabilities.cpp", {{}, {"linux/videodev2.h"}}},
+    {"drivers/v4l2_device.cpp", {{}, {"linux/videodev2.h", "sys/mman.h"}}},
     {"config/yaml.cpp", {{}, {"yaml-cpp/"}}},
+    {"node/service_notify.cpp", {{}, {"sys/un.h"}}},
 };
 
 /// C++20 and C headers, and the POSIX ones for files and processes.

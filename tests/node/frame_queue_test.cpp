@@ -1,43 +1,116 @@
 #include "node/frame_queue.hpp"
 
+#include <chrono>
 #include <gtest/gtest.h>
 #include <thread>
 
 namespace scree::node {
 namespace {
 
-std::shared_ptr<const RangeFrame> frame(std::uint64_t sequence) {
+using namespace std::chrono_literals;
+
+constexpr Time kNow{std::chrono::seconds(1000)};
+
+std::shared_ptr<const RangeFrame> frame(std::uint64_t sequence, Time time = kNow) {
   auto made = std::make_shared<RangeFrame>();
   made->sequence = sequence;
+  made->time = time;
   return made;
 }
 
+FrameQueue::Config lossless(std::size_t capacity) {
+  return {QueuePolicy::lossless, capacity, 1, {}};
+}
+FrameQueue::Config merging(Duration merge, std::size_t sources = 2) {
+  return {QueuePolicy::newest_wins, 1, sources, merge};
+}
+
 TEST(FrameQueue, NewestWinsAndCountsWhatItLoses) {
-  FrameQueue queue(QueuePolicy::newest_wins, 1);
-  for (std::uint64_t i = 1; i <= 5; ++i) EXPECT_TRUE(queue.push(frame(i), {}));
-  EXPECT_EQ(queue.pop({})->sequence, 5u);
+  FrameQueue queue({QueuePolicy::newest_wins, 1, 1, {}});
+  for (std::uint64_t i = 1; i <= 5; ++i) EXPECT_TRUE(queue.push(frame(i), 0, kNow, {}));
+  EXPECT_EQ(queue.pop({}).frame->sequence, 5u);
   EXPECT_EQ(queue.dropped(), 4u);
+  EXPECT_EQ(queue.losses(0).dropped, 4u);
 }
 
 TEST(FrameQueue, LosslessKeepsEveryFrameInOrder) {
-  FrameQueue queue(QueuePolicy::lossless, 2);
+  FrameQueue queue(lossless(2));
   std::jthread producer([&] {
-    for (std::uint64_t i = 0; i < 200; ++i) EXPECT_TRUE(queue.push(frame(i), {}));
+    for (std::uint64_t i = 0; i < 200; ++i) EXPECT_TRUE(queue.push(frame(i), 0, kNow, {}));
     queue.close();
   });
-  for (std::uint64_t i = 0; i < 200; ++i) EXPECT_EQ(queue.pop({})->sequence, i);
-  EXPECT_EQ(queue.pop({}), nullptr);
+  for (std::uint64_t i = 0; i < 200; ++i) EXPECT_EQ(queue.pop({}).frame->sequence, i);
+  EXPECT_EQ(queue.pop({}).frame, nullptr);
   EXPECT_EQ(queue.dropped(), 0u);
 }
 
 TEST(FrameQueue, StopEndsAWaitForRoomAndAWaitForAFrame) {
-  FrameQueue full(QueuePolicy::lossless, 1);
-  EXPECT_TRUE(full.push(frame(1), {}));
-  FrameQueue empty(QueuePolicy::lossless, 1);
+  FrameQueue full(lossless(1));
+  EXPECT_TRUE(full.push(frame(1), 0, kNow, {}));
+  FrameQueue empty(lossless(1));
   std::stop_source stop;
   std::jthread stopper([&] { stop.request_stop(); });
-  EXPECT_FALSE(full.push(frame(2), stop.get_token()));
-  EXPECT_EQ(empty.pop(stop.get_token()), nullptr);
+  EXPECT_FALSE(full.push(frame(2), 0, kNow, stop.get_token()));
+  EXPECT_EQ(empty.pop(stop.get_token()).frame, nullptr);
+}
+
+TEST(FrameQueue, SeveralSourcesAreGivenInTheOrderOfTheirEnds) {
+  FrameQueue queue(merging(1s));
+  EXPECT_TRUE(queue.push(frame(1, kNow - 10ms), 0, kNow, {}));
+  EXPECT_TRUE(queue.push(frame(2, kNow - 30ms), 1, kNow, {}));
+  const auto first = queue.pop({});
+  EXPECT_EQ(first.frame->sequence, 2u);
+  EXPECT_EQ(first.source, 1u);
+  queue.close();
+  EXPECT_EQ(queue.pop({}).frame->sequence, 1u);
+  EXPECT_EQ(queue.dropped(), 0u);
+}
+
+TEST(FrameQueue, AFrameWaitsForTheSlowerSourceAndNoLongerThanItsLateness) {
+  FrameQueue queue(merging(60s));
+  // source 1 has told frames 100 ms after they were taken, source 0 at once
+  EXPECT_TRUE(queue.push(frame(1, kNow - 100ms), 1, kNow, {}));
+  EXPECT_TRUE(queue.push(frame(2, kNow), 0, kNow, {}));
+  EXPECT_EQ(queue.pop({}).frame->sequence, 1u);
+  const auto before = MonotonicClock::now();
+  EXPECT_EQ(queue.pop({}).frame->sequence, 2u);  // nothing comes: given 105 ms after it arrived
+  EXPECT_LT(MonotonicClock::now() - before, 30s) << "not the limit of 60 s";
+  EXPECT_TRUE(queue.push(frame(3, kNow + 50ms), 0, kNow + 50ms, {}));
+  std::jthread slow([&] {
+    std::this_thread::sleep_for(10ms);
+    EXPECT_TRUE(queue.push(frame(4, kNow + 40ms), 1, kNow + 60ms, {}));
+  });
+  EXPECT_EQ(queue.pop({}).frame->sequence, 4u) << "it ended earlier, although it came later";
+  queue.close();
+  EXPECT_EQ(queue.pop({}).frame->sequence, 3u);
+}
+
+TEST(FrameQueue, WhatComesAfterALaterFrameIsDroppedAndCounted) {
+  FrameQueue queue(merging(Duration(0)));
+  EXPECT_TRUE(queue.push(frame(1, kNow), 0, kNow, {}));
+  EXPECT_EQ(queue.pop({}).frame->sequence, 1u);
+  EXPECT_TRUE(queue.push(frame(2, kNow - 1ms), 1, kNow, {}));
+  EXPECT_TRUE(queue.push(frame(3, kNow + 1ms), 0, kNow + 1ms, {}));
+  EXPECT_EQ(queue.pop({}).frame->sequence, 3u);
+  EXPECT_EQ(queue.losses(1).late, 1u);
+  EXPECT_EQ(queue.dropped(), 1u);
+}
+
+TEST(FrameQueue, ASilentSourceHoldsNobodyBack) {
+  FrameQueue queue(merging(60s, 3));
+  EXPECT_TRUE(queue.push(frame(1, kNow), 0, kNow, {}));
+  const auto before = MonotonicClock::now();
+  EXPECT_EQ(queue.pop({}).frame->sequence, 1u);
+  EXPECT_LT(MonotonicClock::now() - before, 30s);
+}
+
+TEST(FrameQueue, AClockThatRunsAheadMakesNobodyElseLate) {
+  FrameQueue queue(merging(Duration(0)));
+  EXPECT_TRUE(queue.push(frame(1, kNow + 1h), 0, kNow, {}));
+  EXPECT_EQ(queue.pop({}).frame->sequence, 1u);
+  EXPECT_TRUE(queue.push(frame(2, kNow + 1ms), 1, kNow + 1ms, {}));
+  EXPECT_EQ(queue.pop({}).frame->sequence, 2u);
+  EXPECT_EQ(queue.dropped(), 0u);
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ class Process {
     waitpid(pid_, nullptr, 0);
   }
 
+  pid_t pid() const { return pid_; }
   void signal(int number) const { kill(pid_, number); }
   std::string out() const { return read("out"); }
   std::string err() const { return read("err"); }

@@ -1,0 +1,33 @@
+#pragma once
+// When a device that is not there is looked for again.
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/time.hpp"
+
+namespace scree::drivers {
+
+/// Retries begin at the first and double up to the second.
+inline constexpr std::chrono::milliseconds kFirstRetry{100};
+inline constexpr std::chrono::milliseconds kLastRetry{2000};
+
+class Retry {
+ public:
+  /// The next attempt is due after the present wait, the one after it after twice that.
+  void wait() {
+    at_ = MonotonicClock::now() + wait_;
+    wait_ = std::min(2 * wait_, kLastRetry);
+  }
+  /// All is well: the next loss is followed by a short wait again.
+  void reset() { wait_ = kFirstRetry; }
+  /// The next attempt is due at once.
+  void hurry() { at_ = {}; }
+  MonotonicTime at() const { return at_; }
+
+ private:
+  std::chrono::milliseconds wait_ = kFirstRetry;
+  MonotonicTime at_{};
+};
+
+}  // namespace scree::drivers

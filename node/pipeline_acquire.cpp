@@ -1,0 +1,175 @@
+// What the sources' threads tell the pipeline, and who looks after them.
+
+#include <algorithm>
+#include <chrono>
+#include <spdlog/spdlog.h>
+#include <thread>
+#include <utility>
+
+#include "node/pipeline.hpp"
+
+namespace scree::node {
+namespace {
+
+constexpr std::uint64_t kSkippedShown = 10;
+constexpr std::chrono::milliseconds kRound{100};      // of the supervisor
+constexpr std::chrono::milliseconds kLastWait{2000};  // for threads of sources to end, before they are left behind
+/// So many threads that do not come back are no fault of one device.
+constexpr std::size_t kMaxAbandoned = 16;
+
+Time system_time() {
+  return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
+}
+
+/// How far from ground that is under the robot now.
+int unreality(drivers::Origin origin) {
+  switch (origin) {
+    case drivers::Origin::live:
+      return 0;
+    case drivers::Origin::hil:
+      return 1;
+    case drivers::Origin::sim:
+      return 2;
+    case drivers::Origin::replay:
+      return 3;
+  }
+  return 3;
+}
+
+}  // namespace
+
+bool Pipeline::frame(std::size_t source, std::shared_ptr<const RangeFrame> frame, drivers::Origin origin,
+                     const std::stop_token& stop) {
+  {
+    const std::lock_guard lock(mutex_);
+    SourceState& state = source_states_[source];
+    ++statistics_.frames_in;
+    ++state.statistics.frames_in;
+    state.last_frame = MonotonicClock::now();
+    state.has_frame = true;
+    // told before the map that holds the frame is, and for good: the map keeps the ground
+    if (!origin_ || unreality(origin) > unreality(*origin_)) origin_ = origin;
+  }
+  return queue_.push(std::move(frame), source, system_time(), stop);
+}
+
+void Pipeline::skipped(std::size_t source, const std::string& message) {
+  std::uint64_t shown = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    ++statistics_.frames_skipped;
+    shown = ++source_states_[source].statistics.frames_skipped;
+  }
+  if (shown <= kSkippedShown) spdlog::warn("frame skipped: {}", message);
+  if (shown == kSkippedShown) spdlog::warn("further skipped frames are only counted");
+}
+
+void Pipeline::notice(std::size_t, const std::string& message) {
+  spdlog::warn("{}", message);
+}
+
+void Pipeline::counters(std::size_t source, const drivers::SourceCounters& counters) {
+  const std::lock_guard lock(mutex_);
+  source_states_[source].statistics.counters = counters;
+}
+
+/// One source that fails ends the node; of several it is opened again while the others go on.
+bool Pipeline::failed(std::size_t source, const Error& error) {
+  if (!live() || source_states_.size() == 1) {
+    fail(error, false);
+    return false;
+  }
+  std::uint64_t failures = 0;
+  std::string name;
+  {
+    const std::lock_guard lock(mutex_);
+    failures = ++source_states_[source].statistics.failures;
+    name = source_states_[source].statistics.name;
+  }
+  if (failures <= kSkippedShown) spdlog::error("source {}: {}; trying again", name, error.message);
+  if (failures == kSkippedShown) spdlog::error("source {}: further failures are only counted", name);
+  return true;
+}
+
+void Pipeline::ended(std::size_t source) {
+  const std::lock_guard lock(mutex_);
+  source_states_[source].ended = true;
+  if (std::all_of(source_states_.begin(), source_states_.end(), [](const auto& state) { return state.ended; }))
+    queue_.close();
+}
+
+// ---- supervise ----
+
+void Pipeline::supervise(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  while (!stop.stop_requested()) {
+    supervise_beat_.touch();
+    {
+      const std::lock_guard lock(sources_mutex_);
+      const auto now = MonotonicClock::now();
+      for (std::size_t i = 0; i < sources_.size(); ++i) look_after(i, now);
+      bury_abandoned();
+    }
+    std::unique_lock lock(mutex);
+    never.wait_for(lock, stop, kRound, [] { return false; });
+  }
+  supervise_beat_.rest();
+}
+
+/// Under sources_mutex_. A source that neither delivers nor fails: its thread is left where it is, and another one
+/// opens the source again.
+void Pipeline::look_after(std::size_t index, MonotonicTime now) {
+  Acquired& acquired = sources_[index];
+  const auto since = acquired.run->inside_since();
+  if (!acquired.setup.deadline || !acquired.setup.open || stop_.stop_requested()) return;
+  if (!since || now - *since < *acquired.setup.deadline || abandoned_.size() >= kMaxAbandoned) return;
+  spdlog::error("source {}: expected its driver to return within {} ms, it did not: it is left behind and opened again",
+                acquired.setup.name,
+                std::chrono::duration_cast<std::chrono::milliseconds>(*acquired.setup.deadline).count());
+  acquired.run->abandon();
+  acquired.thread.request_stop();
+  abandoned_.push_back(std::move(acquired));
+  acquired.setup = {abandoned_.back().setup.name, nullptr,
+                    abandoned_.back().setup.open, abandoned_.back().setup.loop,
+                    abandoned_.back().setup.rate, abandoned_.back().setup.deadline};
+  {
+    const std::lock_guard lock(mutex_);
+    ++source_states_[index].statistics.abandoned;
+  }
+  start_source(index, nullptr);
+}
+
+/// Under sources_mutex_.
+void Pipeline::bury_abandoned() {
+  std::erase_if(abandoned_, [](const Acquired& acquired) { return acquired.run->returned(); });  // joins
+}
+
+/// A thread that does not come back must not keep the process: what it uses is its own.
+void Pipeline::end_sources() {
+  const std::lock_guard lock(sources_mutex_);
+  std::move(abandoned_.begin(), abandoned_.end(), std::back_inserter(sources_));
+  abandoned_.clear();
+  const auto limit = MonotonicClock::now() + kLastWait;
+  for (Acquired& acquired : sources_) {
+    while (live() && !acquired.run->returned() && MonotonicClock::now() < limit)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (!live() || acquired.run->returned()) continue;  // its jthread joins
+    acquired.run->abandon();
+    acquired.thread.detach();
+    spdlog::error("source {}: its driver did not return, its thread is left behind", acquired.setup.name);
+  }
+  sources_.clear();
+}
+
+std::string Pipeline::stalled(Duration limit) const {
+  const auto now = MonotonicClock::now();
+  if (supervise_beat_.age(now) > limit) return "acquire";
+  const auto waiting = queue_.waiting_since();
+  if (map_beat_.age(now) > limit || (waiting && now - *waiting > limit)) return "map";
+  if (publish_beat_.age(now) > limit) return "publish";
+  if (receive_beat_.age(now) > limit) return "receive";
+  return {};
+}
+
+}  // namespace scree::node
