@@ -4,7 +4,7 @@
 # The simulated scanner of SCREE sits at an emulated USB port of a Debian guest (QEMU without KVM). There the real drivers
 # acquire its bulk frames and its V4L2 images, map them and publish to a client, while a script unplugs, stalls and
 # corrupts the device. check.py then judges what came out: the map against the terrain that was rendered, and every fault.
-# WORK (default build/hil) keeps what is made once: the kernel's package, the guest's build. With --prepare that is all
+# WORK (default build/hil) keeps the kernel's package, WORK-guest the guest's build. With --prepare that is all
 # that is done. Exit codes: 0 good, 1 not, 77 skipped: something is missing, and the line SKIPPED says what.
 set -euo pipefail
 here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
@@ -37,19 +37,19 @@ check_tools() {
 
 # The guest has no use for GDAL, PCL and OpenCV, which come with some 170 libraries.
 build_guest() {
-  cmake -G Ninja -S "$root" -B "$work/guest" -DCMAKE_BUILD_TYPE=Release -DSCREE_WITH_GDAL=OFF -DSCREE_WITH_PCL=OFF \
-    -DSCREE_WITH_PICTURES=OFF -DSCREE_WITH_USBREDIR=OFF -DSCREE_BUILD_TESTS=OFF >"$work/guest.log"
-  cmake --build "$work/guest" --target scree >>"$work/guest.log" || { tail -n 30 "$work/guest.log" >&2; return 1; }
+  cmake -G Ninja -S "$root" -B "$work-guest" -DCMAKE_BUILD_TYPE=Release -DSCREE_WITH_GDAL=OFF -DSCREE_WITH_PCL=OFF \
+    -DSCREE_WITH_PICTURES=OFF -DSCREE_WITH_USBREDIR=OFF -DSCREE_BUILD_TESTS=OFF >"$work-guest.log"
+  cmake --build "$work-guest" --target scree >>"$work-guest.log" || { tail -n 30 "$work-guest.log" >&2; return 1; }
   c++ -std=c++17 -O2 -Wall -Wextra -I "$root" -o "$work/client_log" "$here/client_log.cpp"
 }
 
 # What the scanner will see, its truth, and the guest's configuration made of it.
 make_scene() {
-  "$work/guest/scree" simulate --terrain "$terrain" --sensor "$sensor" --trajectory "$place" --noise off \
+  "$work-guest/scree" simulate --terrain "$terrain" --sensor "$sensor" --trajectory "$place" --noise off \
     --out "$run/scene" 2>"$run/scene.log"
   mkdir -p "$run/files"
   python3 "$here/guest_config.py" "$run/scene" >"$run/files/guest.yaml"
-  "$work/guest/scree" replay "$run/scene" --config "$run/files/guest.yaml" --map-out "$run/replay.npy" \
+  "$work-guest/scree" replay "$run/scene" --config "$run/files/guest.yaml" --map-out "$run/replay.npy" \
     --set publish.destination=127.0.0.1:9 --set publish.listen=127.0.0.1:0 2>>"$run/scene.log"
   cp "$here/session" "$run/files/"
   python3 "$here/faults.py" --last "$here/faults.txt" >"$run/files/last_fault_s"
@@ -87,7 +87,7 @@ run=$work/run
 rm -rf "$run"
 mkdir -p "$run"
 make_scene
-"$here/initramfs.sh" "$work/kernel" "$run/files" "$run/initrd.gz" "$work/guest/scree" "$work/client_log"
+"$here/initramfs.sh" "$work/kernel" "$run/files" "$run/initrd.gz" "$work-guest/scree" "$work/client_log"
 run_guest
 python3 "$here/check.py" "$run" "$here/faults.txt"
 echo "hil: $(($(date +%s) - begin)) s after the build"
