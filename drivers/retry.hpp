@@ -14,19 +14,22 @@ inline constexpr std::chrono::milliseconds kLastRetry{2000};
 
 class Retry {
  public:
+  explicit Retry(std::chrono::milliseconds first = kFirstRetry) : first_(first) {}
+
   /// The next attempt is due after the present wait, the one after it after twice that.
   void wait() {
     at_ = MonotonicClock::now() + wait_;
     wait_ = std::min(2 * wait_, kLastRetry);
   }
   /// All is well: the next loss is followed by a short wait again.
-  void reset() { wait_ = kFirstRetry; }
+  void reset() { wait_ = first_; }
   /// The next attempt is due at once.
   void hurry() { at_ = {}; }
   MonotonicTime at() const { return at_; }
 
  private:
-  std::chrono::milliseconds wait_ = kFirstRetry;
+  std::chrono::milliseconds first_;
+  std::chrono::milliseconds wait_ = first_;
   MonotonicTime at_{};
 };
 

@@ -20,13 +20,14 @@ Status FrameMaker::fit(const Image& image) {
 bool FrameMaker::fill(const Buffer& buffer, const Image& image, RangeFrame& frame) {
   frame.projection = projection_;
   frame.sensor = sensor_;
-  read_counts(buffer.bytes, image, frame.raw);
+  read_counts(buffer.bytes, image, counts_);
+  frame.raw.reshape(image.rows, image.columns);
   frame.reflectance.assign(0, 0, 0);
   frame.range_m.reshape(image.rows, image.columns);
   const stream::RangeLaw law{projection_->range_offset_m.data(), projection_->range_per_count_m.data(),
                              static_cast<std::int32_t>(projection_->config.invalid_raw)};
-  stream::ranges_of_counts(reinterpret_cast<const std::uint8_t*>(frame.raw.data()), frame.raw.size(), law,
-                           frame.range_m.data());
+  const stream::PixelsOut out{frame.range_m.data(), frame.raw.data(), nullptr};
+  stream::ranges_of_counts(reinterpret_cast<const std::uint8_t*>(counts_.data()), counts_.size(), law, out);
 
   const auto now = read_clocks();
   const auto rows = static_cast<std::size_t>(image.rows);

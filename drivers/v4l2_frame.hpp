@@ -31,6 +31,7 @@ class FrameMaker {
   SensorConfig configured_;
   std::shared_ptr<const Projection> projection_;
   std::shared_ptr<const SensorConfig> sensor_;
+  Grid<std::uint16_t> counts_;  ///< of the buffer at hand, rows without padding
   StampClock clock_;
 };
 

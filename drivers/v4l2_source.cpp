@@ -60,8 +60,8 @@ class V4l2Source final : public Source {
   }
 
   Happened open(MonotonicTime now, MonotonicTime deadline) {
-    if (now < retry_at_) {
-      std::this_thread::sleep_until(std::min(retry_at_, deadline));
+    if (now < retry_.at()) {
+      std::this_thread::sleep_until(std::min(retry_.at(), deadline));
       return std::optional<SourceEvent>();
     }
     auto opened = v4l2::Device::open(config_.device, wanted_);
@@ -83,7 +83,7 @@ class V4l2Source final : public Source {
 
   /// A device that is not there is told once a loss; one that refuses, whenever its reason is another.
   Happened not_opened(const Error& error) {
-    wait_before_retry();
+    retry_.wait();
     const std::string& what = error.kind == ErrorKind::no_input ? kAbsent : error.message;
     if (said_ == what) return std::optional<SourceEvent>();
     said_ = what;
@@ -132,7 +132,7 @@ class V4l2Source final : public Source {
             name_);
     }
     ++frames_;
-    retry_ = config_.first_retry;
+    retry_.reset();
     last_good_ = frame->received;
     out.frame = std::move(frame);
     return out;
@@ -142,13 +142,8 @@ class V4l2Source final : public Source {
     device_.reset();
     ++losses_;
     said_ = kAbsent;  // this notice says it
-    wait_before_retry();
+    retry_.wait();
     return event(SourceEvent::Kind::notice, why + "; opening it again until it is there");
-  }
-
-  void wait_before_retry() {
-    retry_at_ = MonotonicClock::now() + retry_;
-    retry_ = std::min(2 * retry_, kLastRetry);
   }
 
   static inline const std::string kAbsent = "absent";
@@ -156,12 +151,11 @@ class V4l2Source final : public Source {
   V4l2SourceConfig config_;
   v4l2::Wanted wanted_;
   std::string name_;
-  milliseconds retry_;
+  Retry retry_;
   std::optional<v4l2::Device> device_;
   v4l2::FrameMaker maker_;
   FramePool pool_;
   v4l2::SequenceCounter sequence_;
-  MonotonicTime retry_at_{};
   MonotonicTime last_good_{};
   std::string said_;  ///< why the device is not open, as it was told last
   bool said_arrival_ = false;

@@ -7,8 +7,8 @@
 
 #include "core/result.hpp"
 #include "drivers/frame/sensor.hpp"
+#include "drivers/retry.hpp"
 #include "drivers/source.hpp"
-#include "drivers/stream_source.hpp"  // kFirstRetry, kLastRetry
 
 namespace scree::drivers {
 

@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
   scree::client::Config config;
   config.bind = "127.0.0.1:0";
   config.node = argv[1];
-  config.accept_hil = true;
+  config.accept_origins = scree::client::origin_bit(scree::client::Origin::hil);
   scree::client::Client map;
   if (!map.open(config)) return std::fprintf(stderr, "client_log: %s\n", map.error()), 1;
   auto next = scree::client::Clock::now();
