@@ -53,18 +53,41 @@ std::string device_text(const drivers::V4l2DeviceInfo& device) {
   return out + fmt::format("  cannot be used: {}\n", device.reason);
 }
 
+Json device_json(const drivers::UsbDeviceInfo& device) {
+  return {{"node", device.node},
+          {"ports", device.ports},
+          {"id", fmt::format("{:04x}:{:04x}", device.vendor_id, device.product_id)},
+          {"product", device.product},
+          {"serial", device.serial},
+          {"interface", device.interface_number},
+          {"speed", device.speed},
+          {"usable", device.usable()},
+          {"reason", device.why_not}};
+}
+
+std::string device_text(const drivers::UsbDeviceInfo& device) {
+  std::string out = fmt::format("{}  {} ({:04x}:{:04x}, serial '{}', {}, port {})\n", device.node,
+                                device.product.empty() ? "a device without a name" : device.product, device.vendor_id,
+                                device.product_id, device.serial, device.speed, device.ports);
+  if (device.usable()) return out + "  can be used: source.kind usb\n";
+  return out + fmt::format("  cannot be used: {}\n", device.why_not);
+}
+
 }  // namespace
 
 std::string devices_text(const ConnectedDevices& devices) {
-  if (devices.v4l2.empty()) return "no devices: no V4L2 node /dev/video*\n";
   std::string out;
   for (const auto& device : devices.v4l2) out += device_text(device);
+  for (const auto& device : devices.usb) out += device_text(device);
+  if (out.empty()) out = "no devices: no V4L2 node /dev/video*, no range scanner on USB\n";
+  if (!devices.usb_error.empty()) out += fmt::format("USB could not be looked at: {}\n", devices.usb_error);
   return out;
 }
 
 std::string devices_json(const ConnectedDevices& devices) {
-  Json json{{"v4l2", Json::array()}, {"usb", Json::array()}};
+  Json json{{"v4l2", Json::array()}, {"usb", Json::array()}, {"usb_error", devices.usb_error}};
   for (const auto& device : devices.v4l2) json["v4l2"].push_back(device_json(device));
+  for (const auto& device : devices.usb) json["usb"].push_back(device_json(device));
   // names come from the device, and may be no UTF-8
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -4,19 +4,22 @@
 #include <string>
 #include <vector>
 
+#include "drivers/usb_devices.hpp"
 #include "drivers/v4l2_devices.hpp"
 
 namespace scree::node {
 
-/// Everything that is connected. USB scanners join here.
+/// Everything that is connected.
 struct ConnectedDevices {
   std::vector<drivers::V4l2DeviceInfo> v4l2;
+  std::vector<drivers::UsbDeviceInfo> usb;
+  std::string usb_error;  ///< why nothing is known of USB; mostly empty
 };
 
 /// One paragraph a device; one line where there is none.
 std::string devices_text(const ConnectedDevices& devices);
 
-/// {"v4l2": […], "usb": […]}, see docs/devices.md.
+/// {"v4l2": […], "usb": […], "usb_error": ""}, see docs/devices.md.
 std::string devices_json(const ConnectedDevices& devices);
 
 }  // namespace scree::node

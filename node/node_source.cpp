@@ -11,6 +11,8 @@
 #include "config/recording_file.hpp"
 #include "drivers/simulator.hpp"
 #include "drivers/stream_source.hpp"
+#include "drivers/usb_source.hpp"
+#include "drivers/v4l2_source.hpp"
 
 namespace scree::node {
 namespace {
@@ -85,6 +87,39 @@ OpenedSource open_device_stream(const config::SourceSettings& source, const conf
   return drivers::open_stream(stream, sensor_for(source));
 }
 
+OpenedSource open_usb_scanner(const config::SourceSettings& source, const config::Settings& settings) {
+  drivers::UsbSourceConfig usb;
+  if (const auto id = config::parse_usb_id(source.usb_id)) {
+    usb.vendor_id = id->vendor;
+    usb.product_id = id->product;
+  }
+  usb.serial = source.serial;
+  usb.deadline = std::chrono::milliseconds(source.deadline_ms);
+  usb.poses_needed = settings.pose.source == config::PoseSource::recording;
+  usb.origin = settings.publish.origin;
+  return drivers::open_usb(usb, sensor_for(source));
+}
+
+/// A camera says nothing of its optics, nor of where it is.
+OpenedSource open_camera(const config::SourceSettings& source, const config::Settings& settings) {
+  if (!source.has_whole_sensor())
+    return Error{ErrorKind::bad_config,
+                 "configuration: source.kind v4l2: expected a sensor with projection pinhole and "
+                 "the camera's intrinsics, found none"};
+  if (settings.pose.source == config::PoseSource::recording)
+    return Error{ErrorKind::bad_config,
+                 "configuration: pose.source: expected udp or static with a source of kind v4l2, whose frames bring no "
+                 "pose, found recording"};
+  drivers::V4l2SourceConfig camera;
+  camera.device = source.device;
+  camera.format = source.format;
+  camera.rate_hz = source.rate_hz;
+  camera.deadline = std::chrono::milliseconds(source.deadline_ms);
+  camera.sensor = *source.sensor;
+  camera.origin = settings.publish.origin;
+  return drivers::open_v4l2(camera);
+}
+
 OpenedSource open_simulated(const config::SourceSettings& source) {
   drivers::SimulatorConfig simulator;
   simulator.terrain = source.terrain;
@@ -127,8 +162,9 @@ OpenedSource open_live(const config::SourceSettings& source, const config::Setti
     case config::SourceKind::stream:
       return open_device_stream(source, settings);
     case config::SourceKind::usb:
+      return open_usb_scanner(source, settings);
     case config::SourceKind::v4l2:
-      return Error{ErrorKind::unavailable, "source.kind: usb and v4l2 are not there yet"};
+      return open_camera(source, settings);
     case config::SourceKind::none:
       break;
   }

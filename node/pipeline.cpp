@@ -69,8 +69,7 @@ Pipeline::Pipeline(PipelineConfig config, std::vector<NodeSource> sources, std::
     sources_[i].setup = std::move(sources[i]);
   }
   for (std::size_t i = 0; i < sources.size(); ++i) start_source(i, std::move(sources_[i].setup.source));
-  if (live())
-    supervise_thread_ = named_thread("scree-watch", [this](const std::stop_token& stop) { supervise(stop); });
+  if (live()) supervise_thread_ = named_thread("scree-watch", [this](const std::stop_token& stop) { supervise(stop); });
 }
 
 Pipeline::~Pipeline() {
@@ -85,7 +84,8 @@ Pipeline::~Pipeline() {
 /// Under sources_mutex_. Without a source the thread opens it.
 void Pipeline::start_source(std::size_t index, std::unique_ptr<drivers::Source> source) {
   Acquired& acquired = sources_[index];
-  acquired.run = std::make_shared<SourceRun>(acquired.setup, std::move(source), index, static_cast<SourceEvents&>(*this));
+  acquired.run =
+      std::make_shared<SourceRun>(acquired.setup, std::move(source), index, static_cast<SourceEvents&>(*this));
   acquired.thread = named_thread("scree-source" + std::to_string(index),
                                  [run = acquired.run](const std::stop_token& stop) { run->run(stop); });
 }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <utility>
 
 #include "node/commands/command_line.hpp"
 #include "node/devices_report.hpp"
@@ -10,7 +11,14 @@ namespace scree::node {
 namespace {
 
 ConnectedDevices find_devices() {
-  return {.v4l2 = drivers::list_v4l2_devices()};
+  ConnectedDevices devices;
+  devices.v4l2 = drivers::list_v4l2_devices();
+  auto usb = drivers::list_usb_scanners();
+  if (usb)
+    devices.usb = *std::move(usb);
+  else
+    devices.usb_error = usb.error().message;
+  return devices;
 }
 
 }  // namespace

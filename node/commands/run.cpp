@@ -33,6 +33,12 @@ drivers::Origin origin_of(const config::Settings& settings) {
   return has(config::SourceKind::simulated) ? drivers::Origin::sim : settings.publish.origin;
 }
 
+/// How long a call into the source may take: a kernel that waits for an answer of a USB device takes its 5 s.
+Duration patience(const config::SourceSettings& source) {
+  const bool of_the_kernel = source.kind == config::SourceKind::usb || source.kind == config::SourceKind::v4l2;
+  return std::chrono::milliseconds(source.deadline_ms) + std::chrono::seconds(of_the_kernel ? 8 : 0);
+}
+
 bool is_recording(const config::SourceSettings& source) {
   return source.kind == config::SourceKind::recording;
 }
@@ -45,8 +51,8 @@ Result<std::vector<NodeSource>> open_all(const config::Settings& settings) {
     auto opened = open();
     if (!opened) return opened.error();
     const auto rate = is_recording(source) ? std::optional(1.0) : std::nullopt;
-    sources.push_back({source.name_at(sources.size()), *std::move(opened), std::move(open), source.loop, rate,
-                       std::chrono::milliseconds(source.deadline_ms)});
+    sources.push_back(
+        {source.name_at(sources.size()), *std::move(opened), std::move(open), source.loop, rate, patience(source)});
   }
   return sources;
 }

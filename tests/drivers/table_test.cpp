@@ -98,5 +98,52 @@ TEST(PosesTable, RowsReadBackToTheSameBits) {
   EXPECT_EQ((*back)[0].T_map_body.rotation.coeffs(), pose.T_map_body.rotation.coeffs());
 }
 
+TEST(PosesTable, VariancesReadBackToTheSameBits) {
+  const StampedPose pose{Time(1699999999123456789ns), {{1, 2, 3}, Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5)}};
+  const PoseVariance variance{{0.1 + 0.2, 1e-300, 0.0}, {1.0 / 3.0, 2.0, 5e-7}};
+  const std::string text = std::string(kUncertainPosesHeader) + "\n" + format_uncertain_pose_row(pose, variance);
+  const auto back = parse_uncertain_poses_table(text, "poses.csv");
+  ASSERT_TRUE(back) << back.error().message;
+  ASSERT_EQ(back->variances.size(), 1u);
+  EXPECT_EQ(back->variances[0].position_m2, variance.position_m2);
+  EXPECT_EQ(back->variances[0].attitude_rad2, variance.attitude_rad2);
+  EXPECT_EQ(back->poses[0].T_map_body.translation_m, pose.T_map_body.translation_m);
+  const auto plain = parse_uncertain_poses_table(poses("0,0,0,0,0,0,0,1\n"), "poses.csv");
+  ASSERT_TRUE(plain);
+  EXPECT_TRUE(plain->variances.empty()) << "the table tells none";
+  EXPECT_THAT(poses_message(std::string(kUncertainPosesHeader) + "\n0,0,0,0,0,0,0,1,0,0,0,0,0,-1\n"),
+              HasSubstr("poses.csv:2: expected a variance of at least 0, found '-1'"));
+}
+
+// What a writer that was killed in the middle of a row leaves behind, cut at every byte of it.
+TEST(FramesTable, OfATornLastRowOnlyThatRowIsLost) {
+  const std::string whole = frames("frames/000000.perc,1.5,7\nframes/000001.perc,2.5,8\n");
+  const std::string first = frames("frames/000000.perc,1.5,7\n");
+  for (std::size_t size = first.size(); size + 1 < whole.size(); ++size) {
+    std::string torn;
+    const auto rows = parse_frames_table(std::string_view(whole).substr(0, size), "frames.csv", "frames", &torn);
+    ASSERT_TRUE(rows) << size << rows.error().message;
+    EXPECT_GE(rows->size(), 1u) << size;
+    EXPECT_EQ(rows->front().sequence, 7u);
+    const bool lost = rows->size() == 1 && size > first.size();
+    EXPECT_EQ(!torn.empty(), lost) << size;
+    if (lost) EXPECT_THAT(torn, HasSubstr("frames.csv:3: the last line has no end and is left out"));
+  }
+  std::string torn;
+  EXPECT_FALSE(parse_frames_table(first + "frames/000001.p\n", "frames.csv", "frames", &torn))
+      << "a row with an end is not torn";
+}
+
+TEST(OrderTable, NamesFoldersAndPlaces) {
+  const std::string header = std::string(kOrderHeader) + "\n";
+  const auto rows = parse_order_table(header + "front,0\nlow,0\nfront,1\n", "order.csv");
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 3u);
+  EXPECT_EQ((*rows)[2].recording, "front");
+  EXPECT_EQ((*rows)[2].frame, 1u);
+  for (const char* wrong : {"../x,0\n", "a/b,0\n", "..,0\n", "/,0\n", "a,-1\n", "a\n", ""})
+    EXPECT_FALSE(parse_order_table(header + wrong, "order.csv")) << wrong;
+}
+
 }  // namespace
 }  // namespace scree::drivers

@@ -30,8 +30,25 @@ TEST(DevicesReport, HasALineForWhatCanBeUsedAndTheReasonForWhatCannot) {
 }
 
 TEST(DevicesReport, OfNoDeviceIsOneLine) {
-  EXPECT_EQ(devices_text({}), "no devices: no V4L2 node /dev/video*\n");
-  EXPECT_EQ(devices_json({}), "{\n  \"v4l2\": [],\n  \"usb\": []\n}\n");
+  EXPECT_EQ(devices_text({}), "no devices: no V4L2 node /dev/video*, no range scanner on USB\n");
+  EXPECT_EQ(devices_json({}), "{\n  \"v4l2\": [],\n  \"usb\": [],\n  \"usb_error\": \"\"\n}\n");
+}
+
+TEST(DevicesReport, UsbScannersAreToldWithTheReasonWhyNot) {
+  ConnectedDevices devices;
+  devices.usb.push_back({1, 4, "/dev/bus/usb/001/004", "1-2", 0x1209, 1, "Scree scanner", "A1", 0, "480 Mbit/s", ""});
+  devices.usb.push_back({1, 5, "/dev/bus/usb/001/005", "1-3", 0x1209, 1, "", "", -1, "unknown", "expected X, found Y"});
+  EXPECT_EQ(devices_text(devices),
+            "/dev/bus/usb/001/004  Scree scanner (1209:0001, serial 'A1', 480 Mbit/s, port 1-2)\n"
+            "  can be used: source.kind usb\n"
+            "/dev/bus/usb/001/005  a device without a name (1209:0001, serial '', unknown, port 1-3)\n"
+            "  cannot be used: expected X, found Y\n");
+  const auto json = devices_json(devices);
+  EXPECT_NE(json.find("\"id\": \"1209:0001\""), std::string::npos);
+  EXPECT_NE(json.find("\"usable\": false"), std::string::npos);
+  EXPECT_EQ(
+      devices_text({{}, {}, "built without USB"}),
+      "no devices: no V4L2 node /dev/video*, no range scanner on USB\nUSB could not be looked at: built without USB\n");
 }
 
 TEST(DevicesReport, JsonHasTheSame) {
