@@ -170,12 +170,12 @@ void SimulatedUsbDevice::pump(const LinkState& link, MonotonicTime now, const An
   counters_.sent += static_cast<std::uint64_t>(frames_.pump(link, now, sink) + images_.pump(link, now, sink));
 }
 
-void SimulatedUsbDevice::send(const ServedFrame& frame, MonotonicTime now) {
+void SimulatedUsbDevice::send(const ServedFrame& frame) {
   if (readers() == 0) ++counters_.unread;
-  if (streaming_) count_offer(frames_.offer(frame.message, now));
+  if (streaming_) count_offer(frames_.offer(frame.message));
   if (!filming_ || frame.image == nullptr) return;
   if (!images_.has_message()) frame_id_ ^= 1;  // an image that takes another's place takes its number too
-  count_offer(images_.offer(image_payload(*frame.image, frame_id_, frame.image_damaged), now));
+  count_offer(images_.offer(image_payload(*frame.image, frame_id_, frame.image_damaged)));
 }
 
 }  // namespace scree::drivers::usb

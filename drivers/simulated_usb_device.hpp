@@ -38,7 +38,7 @@ class SimulatedUsbDevice {
   /// Answers the transfers that can be answered now.
   void pump(const LinkState& link, MonotonicTime now, const AnswerSink& sink);
 
-  void send(const ServedFrame& frame, MonotonicTime now);
+  void send(const ServedFrame& frame);
   void stall() { frames_.halt(); }
   void babble() { frames_.babble_next(); }
 

@@ -15,12 +15,12 @@ void BulkPipe::cancel(std::uint64_t id, const AnswerSink& sink) {
   sink({endpoint_, id, TransferStatus::cancelled, {}});
 }
 
-bool BulkPipe::offer(SharedBytes message, MonotonicTime now) {
+bool BulkPipe::offer(SharedBytes message) {
   const bool idle = message_ == nullptr;
-  if (!idle && (sent_ > 0 || owes_zlp_)) return false;
+  if (!idle && begun_) return false;
   message_ = std::move(message);
   sent_ = 0;
-  offered_ = now;
+  begun_ = false;
   return idle;
 }
 
@@ -31,7 +31,8 @@ int BulkPipe::pump(const LinkState& link, MonotonicTime now, const AnswerSink& s
     const Asked asked = waiting_.front();
     if (!answer_fault(asked, sink)) {
       if (message_ == nullptr) break;
-      const auto elapsed = std::chrono::duration_cast<Duration>(now - offered_);
+      if (!std::exchange(begun_, true)) began_ = now;
+      const auto elapsed = std::chrono::duration_cast<Duration>(now - began_);
       if (!answer_data(asked, link.allowed(message_->size(), elapsed), sink)) break;
       if (sent_ == message_->size() && !owes_zlp_) {
         message_ = nullptr;

@@ -33,8 +33,9 @@ class BulkPipe {
   void ask(std::uint64_t id, std::size_t bytes) { waiting_.push_back({id, bytes}); }
   /// Gives up a transfer, answered as cancelled; an unknown one was answered already.
   void cancel(std::uint64_t id, const AnswerSink& sink);
-  /// In place of a message that no byte of has left, not of one under way. False: superseded, this one or that one.
-  bool offer(SharedBytes message, MonotonicTime now);
+  /// In place of a message that no transfer has waited for yet, not of one under way. False: superseded, this one or
+  /// that one.
+  bool offer(SharedBytes message);
   /// Answers what can be answered. Returns how many messages ended whole.
   int pump(const LinkState& link, MonotonicTime now, const AnswerSink& sink);
 
@@ -61,7 +62,8 @@ class BulkPipe {
   SharedBytes message_;  ///< null = none
   std::size_t sent_ = 0;
   bool owes_zlp_ = false;
-  MonotonicTime offered_{};
+  bool begun_ = false;     ///< a transfer has found it: it is on its way
+  MonotonicTime began_{};  ///< since then
   bool halted_ = false, babbles_ = false;
 };
 

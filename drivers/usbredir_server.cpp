@@ -70,7 +70,7 @@ void UsbredirServer::serve() {
 }
 
 void UsbredirServer::send(const ServedFrame& frame) {
-  port_->device.send(frame, MonotonicClock::now());
+  port_->device.send(frame);
   port_->serve();
 }
 

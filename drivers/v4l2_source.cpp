@@ -14,6 +14,9 @@
 namespace scree::drivers {
 namespace {
 
+/// A device that is plugged in again is to give frames within 2 s; looking whether its node is there costs nothing.
+constexpr std::chrono::milliseconds kLastReopen{1000};
+
 using std::chrono::milliseconds;
 using Happened = Result<std::optional<SourceEvent>>;  ///< nothing, an event, or a fault of the configuration
 
@@ -23,7 +26,7 @@ class V4l2Source final : public Source {
       : config_(std::move(config)),
         wanted_(wanted),
         name_("v4l2 " + config_.device),
-        retry_(config_.first_retry),
+        retry_(config_.first_retry, kLastReopen),
         maker_(config_.sensor) {}
 
   Result<SourceEvent> next(milliseconds timeout) override {

@@ -187,7 +187,7 @@ struct PipeTest : ::testing::Test {
 
 TEST_F(PipeTest, AMessageEndsWithAShortTransfer) {
   for (std::uint64_t id = 1; id <= 3; ++id) pipe.ask(id, 1024);
-  ASSERT_TRUE(pipe.offer(bytes_of(1500), {}));
+  ASSERT_TRUE(pipe.offer(bytes_of(1500)));
   EXPECT_EQ(pump(), 1);
   ASSERT_EQ(host.answers.size(), 2u);
   EXPECT_EQ(host.answers[0].bytes.size(), 1024u);
@@ -198,7 +198,7 @@ TEST_F(PipeTest, AMessageEndsWithAShortTransfer) {
 
 TEST_F(PipeTest, AMessageOfFullPacketsEndsWithAZlp) {
   for (std::uint64_t id = 1; id <= 3; ++id) pipe.ask(id, 1024);
-  ASSERT_TRUE(pipe.offer(bytes_of(2048), {}));
+  ASSERT_TRUE(pipe.offer(bytes_of(2048)));
   EXPECT_EQ(pump(), 1);
   ASSERT_EQ(host.answers.size(), 3u);
   EXPECT_TRUE(host.answers[2].bytes.empty());
@@ -208,26 +208,26 @@ TEST_F(PipeTest, AMessageOfFullPacketsEndsWithAZlp) {
 TEST_F(PipeTest, ATransferWithRoomLeftIsShortByItself) {
   pipe.ask(1, 4096);
   pipe.ask(2, 4096);
-  ASSERT_TRUE(pipe.offer(bytes_of(1024), {}));
+  ASSERT_TRUE(pipe.offer(bytes_of(1024)));
   EXPECT_EQ(pump(), 1);
   EXPECT_EQ(host.answers.size(), 1u) << "no ZLP";
 }
 
 TEST_F(PipeTest, ATransferOfBrokenPacketsOverflowsInsideAMessage) {
   pipe.ask(1, 1000);
-  ASSERT_TRUE(pipe.offer(bytes_of(1500), {}));
+  ASSERT_TRUE(pipe.offer(bytes_of(1500)));
   EXPECT_EQ(pump(), 0);
   ASSERT_EQ(host.answers.size(), 1u);
   EXPECT_EQ(host.answers[0].status, TransferStatus::babble);
 }
 
 TEST_F(PipeTest, ANewerMessageReplacesOneThatHasNotBegunAndNoOther) {
-  ASSERT_TRUE(pipe.offer(bytes_of(600, 1), {}));
-  EXPECT_FALSE(pipe.offer(bytes_of(600, 2), {})) << "one of the two is superseded";
+  ASSERT_TRUE(pipe.offer(bytes_of(600, 1)));
+  EXPECT_FALSE(pipe.offer(bytes_of(600, 2))) << "one of the two is superseded";
   pipe.ask(1, 512);
   EXPECT_EQ(pump(), 0);
   EXPECT_EQ(host.answers.at(0).bytes[0], 2);
-  EXPECT_FALSE(pipe.offer(bytes_of(600, 3), {}));
+  EXPECT_FALSE(pipe.offer(bytes_of(600, 3)));
   pipe.ask(2, 512);
   EXPECT_EQ(pump(), 1);
   EXPECT_EQ(host.joined(), *bytes_of(600, 2));
@@ -240,7 +240,7 @@ TEST_F(PipeTest, ACancelledTransferTakesNothingWithIt) {
   pipe.cancel(7, host.sink);
   ASSERT_EQ(host.answers.size(), 1u);
   EXPECT_EQ(host.answers[0].status, TransferStatus::cancelled);
-  ASSERT_TRUE(pipe.offer(bytes_of(600), {}));
+  ASSERT_TRUE(pipe.offer(bytes_of(600)));
   EXPECT_EQ(pump(), 1);
   EXPECT_EQ(host.joined(), *bytes_of(600));
 }
@@ -249,7 +249,7 @@ TEST_F(PipeTest, AHaltedPipeStallsEveryTransfer) {
   pipe.ask(1, 512);
   pipe.ask(2, 512);
   pipe.halt();
-  ASSERT_TRUE(pipe.offer(bytes_of(100), {}));
+  ASSERT_TRUE(pipe.offer(bytes_of(100)));
   EXPECT_EQ(pump(), 0);
   ASSERT_EQ(host.answers.size(), 2u);
   EXPECT_EQ(host.answers[1].status, TransferStatus::stall);
@@ -262,7 +262,7 @@ TEST_F(PipeTest, BabbleHappensOnce) {
   pipe.ask(1, 512);
   pipe.ask(2, 512);
   pipe.babble_next();
-  ASSERT_TRUE(pipe.offer(bytes_of(100), {}));
+  ASSERT_TRUE(pipe.offer(bytes_of(100)));
   EXPECT_EQ(pump(), 1);
   ASSERT_EQ(host.answers.size(), 2u);
   EXPECT_EQ(host.answers[0].status, TransferStatus::babble);
@@ -273,16 +273,19 @@ TEST_F(PipeTest, AFrozenPipeAnswersNothingAndASlowOneInTime) {
   using std::chrono::milliseconds;
   pipe.ask(1, 512);
   pipe.ask(2, 512);
-  ASSERT_TRUE(pipe.offer(bytes_of(1000), {}));
+  ASSERT_TRUE(pipe.offer(bytes_of(1000)));
   EXPECT_EQ(pump({.frozen = true}), 0);
   EXPECT_EQ(pump({.unplugged = true}), 0);
   const LinkState slow{.frame_time = milliseconds(100)};
+  EXPECT_EQ(pump(slow), 0);
+  EXPECT_FALSE(pipe.offer(bytes_of(1000, 1))) << "it is on its way, though no byte has arrived";
   EXPECT_EQ(pump(slow, milliseconds(51)), 0);
   EXPECT_TRUE(host.answers.empty()) << "510 bytes may have left";
   EXPECT_EQ(pump(slow, milliseconds(52)), 0);
   EXPECT_EQ(host.answers.size(), 1u);
   EXPECT_EQ(pump(slow, milliseconds(99)), 0);
   EXPECT_EQ(pump(slow, milliseconds(100)), 1);
+  EXPECT_EQ(host.joined(), *bytes_of(1000));
 }
 
 /// A device whose host has asked for both streams.
@@ -297,7 +300,7 @@ struct DeviceTest : ::testing::Test {
     device.ask(kCameraEndpoint, ++id, 1 << 16, host.sink);
   }
   void send(std::uint8_t mark, bool damaged = false) {
-    device.send({bytes_of(100, mark), bytes_of(9600, mark), damaged}, {});
+    device.send({bytes_of(100, mark), bytes_of(9600, mark), damaged});
     device.pump({}, {}, host.sink);
   }
   std::uint64_t id = 0;
@@ -332,8 +335,8 @@ TEST_F(DeviceTest, ImagesTellThemselvesApart) {
 
 TEST_F(DeviceTest, AnImageInPlaceOfAnotherHasItsFrameId) {
   send(1);
-  device.send({bytes_of(100, 2), bytes_of(9600, 2)}, {});
-  device.send({bytes_of(100, 3), bytes_of(9600, 3)}, {});
+  device.send({bytes_of(100, 2), bytes_of(9600, 2)});
+  device.send({bytes_of(100, 3), bytes_of(9600, 3)});
   EXPECT_EQ(device.counters().superseded, 2u);
   ask_both();
   device.pump({}, {}, host.sink);

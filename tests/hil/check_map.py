@@ -39,7 +39,7 @@ def check(run, terrain_cell_m, expect):
             outside.append(f"({x_m:.2f}, {y_m:.2f}): expected {low:.4f} ... {high:.4f} m, found {elevation[i]:.4f}")
     expect(not outside, f"map: {len(outside)} of {len(measured)} measured cells are not the ground: {outside[:3]}")
     if measured:
-        print(f"map: {len(measured)} measured cells, all within their ground; at most {1e3 * worst_m:.2f} mm beyond, rms "
+        print(f"map: {len(measured)} measured cells, {len(outside)} not their ground; at most {1e3 * worst_m:.2f} mm beyond, rms "
               f"{1e3 * math.sqrt(square / len(measured)):.1f} mm from its middle")
     check_coverage(run, measured, state, shape, place, expect)
 

@@ -12,7 +12,7 @@ BEAT_S = 0.1  # between two heartbeats
 # A fault takes that long to arrive: a round of the simulator, the emulated port, the transfers under way.
 ARRIVES_S = 0.3
 STALE, LOST = 1, 2  # bits of health
-OK = 1  # state of a sensor
+FRAME_KB = 300  # 80 x 60 pixels of 64 bytes: counts, range, place, variances
 SENSORS = ("scanner", "camera")
 
 
@@ -56,7 +56,8 @@ def check_fault(fault, zero_s, beats, expect):
     name = f"{fault.action} at {fault.at_s:g} s"
     found = []
     for i, sensor in enumerate(SENSORS):
-        times = sorted({round(beat.frame_s[i], 3) for beat in beats if beat.frame_s[i] is not None})
+        times = sorted({round(beat.frame_s[i], 3) for beat in beats
+                        if i < len(beat.frame_s) and beat.frame_s[i] is not None})
         during = [t for t in times if begin_s + ARRIVES_S < t < end_s]
         if fault.action in ("unplug", "freeze"):
             expect(not during, f"{name}: expected no frame of {sensor} while it lasts, found {len(during)}")
@@ -77,11 +78,12 @@ def check_fault(fault, zero_s, beats, expect):
     print(f"{name}: frames again of {', '.join(found)}")
 
 
-def check_resources(run, first_fault_s, expect):
-    """Open files, threads and memory of the node: the last sample before the first fault, and the last of all."""
+def check_resources(run, settled_s, later_faults, expect):
+    """Open files, threads and memory of the node: the last sample before the second fault, when the map has grown and
+    every part has been used once, and the last of all. Memory: not a frame with its points is lost to each fault."""
     rows = [[float(word) for word in line.split()]
             for line in (run / "findings" / "resources.log").read_text().splitlines() if len(line.split()) == 4]
-    before = [row for row in rows if row[0] < first_fault_s]
+    before = [row for row in rows if row[0] < settled_s]
     if not expect(before and len(rows) > len(before), f"resources: expected samples before and after, found {len(rows)}"):
         return
     stopping = float(re.search(r"^([0-9.]+) stopping$", (run / "findings" / "session.log").read_text(), re.MULTILINE).group(1))
@@ -89,6 +91,8 @@ def check_resources(run, first_fault_s, expect):
     for column, name in ((1, "open files"), (2, "threads")):
         expect(first[column] == last[column],
                f"resources: expected {first[column]:.0f} {name} as before the faults, found {last[column]:.0f}")
+    grown_kb, limit_kb = last[3] - first[3], later_faults * FRAME_KB
+    expect(grown_kb < limit_kb, f"resources: expected less than {limit_kb} kB more memory, found {grown_kb:.0f}")
     print(f"resources: {first[1]:.0f} files, {first[2]:.0f} threads, {first[3] / 1024:.1f} MB before; "
           f"{last[1]:.0f}, {last[2]:.0f}, {last[3] / 1024:.1f} MB after")
 
@@ -102,4 +106,4 @@ def check(run, faults, expect):
         return
     for fault in faults:
         check_fault(fault, zero_s, beats, expect)
-    check_resources(run, zero_s + faults[0].at_s, expect)
+    check_resources(run, zero_s + faults[1].at_s, len(faults) - 1, expect)
