@@ -56,6 +56,9 @@ def main():
     run, faults = pathlib.Path(sys.argv[1]), fault_script.read(sys.argv[2])
     expect = Judge()
     check_exits(run, expect)
+    if expect.failed:
+        print((run / "findings" / "run.log").read_text()[-2000:])
+        return 1
     check_injected(run, faults, expect)
     check_listener(run, expect)
     check_map.check(run, TERRAIN_CELL_M, expect)
