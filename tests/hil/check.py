@@ -59,6 +59,8 @@ def main():
     if expect.failed:
         print((run / "findings" / "run.log").read_text()[-2000:])
         return 1
+    kernel = (run / "findings" / "dmesg.log").read_text()
+    expect("BUG:" not in kernel, "kernel: expected none of its own bugs, found one in findings/dmesg.log")
     check_injected(run, faults, expect)
     check_listener(run, expect)
     check_map.check(run, TERRAIN_CELL_M, expect)
