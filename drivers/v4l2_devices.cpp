@@ -75,6 +75,7 @@ std::vector<V4l2DeviceInfo> list_v4l2_devices() {
     found.emplace(*number, std::move(info));
   }
   std::vector<V4l2DeviceInfo> out;
+  out.reserve(found.size());
   for (auto& [number, info] : found) out.push_back(std::move(info));
   return out;
 }

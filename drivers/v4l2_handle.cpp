@@ -1,11 +1,11 @@
 #include "drivers/v4l2_handle.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/ioctl.h>
+#include <system_error>
 #include <unistd.h>
 
 namespace scree::drivers::v4l2 {
@@ -43,13 +43,15 @@ Error open_error(const std::string& path, int error) {
     hint = " (add the user to the group 'video', or install launch/99-scree.rules as a udev rule)";
   if (error == EBUSY) hint = " (another program uses the device)";
   return {is_absent(error) ? ErrorKind::no_input : ErrorKind::unavailable,
-          fmt::format("'{}': expected a device that can be opened, found: {}{}", path, std::strerror(error), hint)};
+          fmt::format("'{}': expected a device that can be opened, found: {}{}", path,
+                      std::generic_category().message(error), hint)};
 }
 
 Error call_error(const std::string& path, const char* call, int error) {
   const char* hint = error == EBUSY ? " (another program uses the device)" : "";
-  return {is_absent(error) ? ErrorKind::no_input : ErrorKind::unavailable,
-          fmt::format("'{}': {}: expected success, found: {}{}", path, call, std::strerror(error), hint)};
+  return {
+      is_absent(error) ? ErrorKind::no_input : ErrorKind::unavailable,
+      fmt::format("'{}': {}: expected success, found: {}{}", path, call, std::generic_category().message(error), hint)};
 }
 
 }  // namespace scree::drivers::v4l2

@@ -96,14 +96,14 @@ class V4l2Source final : public Source {
 
   Happened receive(MonotonicTime now, MonotonicTime deadline) {
     const MonotonicTime silent = last_good_ + config_.deadline;
-    if (now >= silent) {
-      ++silences_;
-      return lose(fmt::format("expected a good frame within {} ms, found none", config_.deadline.count()));
-    }
     const auto wait = std::chrono::ceil<milliseconds>(std::min(deadline, silent) - now);
     auto taken = device_->take(std::max(wait, milliseconds(0)));
     if (!taken) return lose(taken.error().message);
-    if (!*taken) return std::optional<SourceEvent>();
+    if (!*taken) {  // only now: who asks late finds what has come meanwhile
+      if (MonotonicClock::now() < silent) return std::optional<SourceEvent>();
+      ++silences_;
+      return lose(fmt::format("expected a good frame within {} ms, found none", config_.deadline.count()));
+    }
     auto converted = convert(**taken);
     // one that cannot be given back is the device's end, which the next question finds out
     if (auto given = device_->give_back(**taken); !given && !converted) return lose(given.error().message);

@@ -40,6 +40,7 @@ TEST_F(UsbTest, ADeviceThatNobodyAnnouncesIsFoundToo) {
   expect_notice("connected");
 }
 
+/// libusb mostly notices itself that it knows the device; the source does not look at arrivals while one is open.
 TEST_F(UsbTest, ASecondArrivalOfTheSameDeviceChangesNothing) {
   open_source();
   expect_notice("found none");
@@ -53,6 +54,18 @@ TEST_F(UsbTest, ASecondArrivalOfTheSameDeviceChangesNothing) {
   expect_frame(1);
   EXPECT_EQ(counted("connections"), 1u);
   EXPECT_EQ(counted("departures"), 0u);
+}
+
+TEST_F(UsbTest, AFrameThatCameBeforeTheUnplugIsNotLost) {
+  scanner_.plug();
+  open_source();
+  expect_notice("connected");
+  scanner_.send(message(0));
+  scanner_.unplug(false);  // what tells first is a transfer that cannot be submitted again
+  expect_frame(0);
+  expect_notice("has gone");
+  EXPECT_EQ(counted("departures"), 1u);
+  EXPECT_EQ(counted("bytes_skipped"), 0u);
 }
 
 /// What the transfers in flight end with when the device goes, and whether udev tells: the order varies.

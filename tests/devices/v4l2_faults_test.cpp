@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
+#include <thread>
 
 #include "tests/devices/v4l2_support.hpp"
 
@@ -130,8 +131,8 @@ TEST_P(V4l2Loss, IsOneNoticeAndFramesGoOnWhenTheDeviceIsBack) {
   camera.fail(VIDIOC_QUERYCAP, ENODEV, 5);
   EXPECT_THAT(next_of(*source, Kind::notice).message, AllOf(HasSubstr("VIDIOC_DQBUF"), HasSubstr("opening it again")));
   EXPECT_THAT(next_of(*source, Kind::notice).message, HasSubstr("opened"));
-  camera.deliver(picture(3));
-  camera.deliver(picture(5));
+  camera.deliver(picture(60));
+  camera.deliver(picture(62));
   EXPECT_EQ(next_of(*source, Kind::frame).frame->sequence, 1u);  // goes on, whatever the device counts
   EXPECT_EQ(next_of(*source, Kind::frame).frame->sequence, 3u);
   EXPECT_EQ(counter(*source, "frames_missing"), 1u);  // of one run only
@@ -167,6 +168,19 @@ TEST(V4l2Faults, ASilentDeviceIsOpenedAgainAndCounted) {
   EXPECT_EQ(counter(*source, "losses"), 1u);
   EXPECT_EQ(camera.counts().started, 2);
   EXPECT_EQ(camera.counts().stopped, 1);
+}
+
+TEST(V4l2Faults, WhoAsksLateFindsTheFrameThatCameAndNoSilence) {
+  test::Testbed bed;
+  test::Camera camera(bed, {});
+  auto config = test_config();
+  config.deadline = milliseconds(50);
+  const auto source = opened(config);
+  next_of(*source, Kind::notice);
+  camera.deliver(picture(0));
+  std::this_thread::sleep_for(milliseconds(60));
+  next_of(*source, Kind::frame);
+  EXPECT_EQ(counter(*source, "silences"), 0u);
 }
 
 TEST(V4l2Faults, AnotherSizeAfterAReplugIsAnotherProjection) {

@@ -172,5 +172,18 @@ TEST_F(Service, ASourceThatHangsIsLeftBehindAndOpenedAgain) {
   EXPECT_THAT(finished.err, ::testing::HasSubstr("its thread is left behind"));
 }
 
+TEST(ServiceUnit, SystemdFindsNoFaultInIt) {
+  if (run({"systemd-analyze", "--version"}).exit_code != 0) GTEST_SKIP() << "no systemd-analyze here";
+  const TemporaryFolder folder;
+  std::string unit = read_file(SCREE_SOURCE_DIR "/launch/scree.service");
+  const std::string installed = "/usr/bin/scree";
+  ASSERT_NE(unit.find(installed), std::string::npos);
+  unit.replace(unit.find(installed), installed.size(), SCREE_BINARY);  // it checks that the program is there
+  write_file(folder / "scree.service", unit);
+  const auto verified = run({"systemd-analyze", "verify", "--man=no", (folder / "scree.service").string()});
+  EXPECT_EQ(verified.exit_code, 0);
+  EXPECT_EQ(verified.err, "") << "it warns of keys that it does not know";
+}
+
 }  // namespace
 }  // namespace scree::test
