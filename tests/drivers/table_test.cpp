@@ -127,7 +127,9 @@ TEST(FramesTable, OfATornLastRowOnlyThatRowIsLost) {
     EXPECT_EQ(rows->front().sequence, 7u);
     const bool lost = rows->size() == 1 && size > first.size();
     EXPECT_EQ(!torn.empty(), lost) << size;
-    if (lost) EXPECT_THAT(torn, HasSubstr("frames.csv:3: the last line has no end and is left out"));
+    if (lost) {
+      EXPECT_THAT(torn, HasSubstr("frames.csv:3: the last line has no end and is left out"));
+    }
   }
   std::string torn;
   EXPECT_FALSE(parse_frames_table(first + "frames/000001.p\n", "frames.csv", "frames", &torn))
