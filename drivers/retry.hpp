@@ -14,12 +14,13 @@ inline constexpr std::chrono::milliseconds kLastRetry{2000};
 
 class Retry {
  public:
-  explicit Retry(std::chrono::milliseconds first = kFirstRetry) : first_(first) {}
+  explicit Retry(std::chrono::milliseconds first = kFirstRetry, std::chrono::milliseconds last = kLastRetry)
+      : first_(first), last_(last) {}
 
   /// The next attempt is due after the present wait, the one after it after twice that.
   void wait() {
     at_ = MonotonicClock::now() + wait_;
-    wait_ = std::min(2 * wait_, kLastRetry);
+    wait_ = std::min(2 * wait_, last_);
   }
   /// All is well: the next loss is followed by a short wait again.
   void reset() { wait_ = first_; }
@@ -28,7 +29,7 @@ class Retry {
   MonotonicTime at() const { return at_; }
 
  private:
-  std::chrono::milliseconds first_;
+  std::chrono::milliseconds first_, last_;
   std::chrono::milliseconds wait_ = first_;
   MonotonicTime at_{};
 };

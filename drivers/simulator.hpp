@@ -22,7 +22,7 @@ namespace scree::drivers {
 
 struct SimulatorConfig {
   std::string terrain;                    ///< see load_terrain
-  std::string sensor = "perceptron-usf";  ///< perceptron-usf | perceptron-cmu | lidar64 | depth
+  std::string sensor = "perceptron-usf";  ///< perceptron-usf | perceptron-cmu | lidar64 | depth | depth-small
   std::string trajectory;                 ///< see make_trajectory
   bool noise = true;                      ///< false: `--noise off`, exact to quantisation
   std::uint64_t seed = 1;

@@ -11,7 +11,7 @@
 
 namespace scree::drivers {
 
-inline constexpr std::string_view kSimulatedSensors = "perceptron-usf | perceptron-cmu | lidar64 | depth";
+inline constexpr std::string_view kSimulatedSensors = "perceptron-usf | perceptron-cmu | lidar64 | depth | depth-small";
 
 /// What a named sensor is: geometry, mounting, timing, physics.
 struct SimulatedSensor {

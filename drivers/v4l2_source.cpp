@@ -14,6 +14,10 @@
 namespace scree::drivers {
 namespace {
 
+/// A device that is plugged in again is to give frames within 2 s; looking whether its node is there costs nothing.
+constexpr std::chrono::milliseconds kLastReopen{1000};
+constexpr int kSettles = 3;  ///< first waits between a loss and closing what was lost
+
 using std::chrono::milliseconds;
 using Happened = Result<std::optional<SourceEvent>>;  ///< nothing, an event, or a fault of the configuration
 
@@ -23,7 +27,7 @@ class V4l2Source final : public Source {
       : config_(std::move(config)),
         wanted_(wanted),
         name_("v4l2 " + config_.device),
-        retry_(config_.first_retry),
+        retry_(config_.first_retry, kLastReopen),
         maker_(config_.sensor) {}
 
   Result<SourceEvent> next(milliseconds timeout) override {
@@ -139,6 +143,9 @@ class V4l2Source final : public Source {
   }
 
   std::optional<SourceEvent> lose(const std::string& why) {
+    // Linux 6.1 is not safe against a close while it still takes the device apart: it has written to freed memory
+    // (v4l2_device_release in media_device_unregister_entity, found by tests/hil) and killed the thread that closed.
+    std::this_thread::sleep_for(kSettles * config_.first_retry);
     device_.reset();
     ++losses_;
     said_ = kAbsent;  // this notice says it

@@ -20,8 +20,7 @@ struct V4l2SourceConfig {
   /// projection pinhole; rows, columns 0 = the device's present size
   SensorConfig sensor{};
   Origin origin = Origin::live;
-  std::chrono::milliseconds first_retry =
-      kFirstRetry;  ///< doubled up to kLastRetry, from the first again after a frame
+  std::chrono::milliseconds first_retry = kFirstRetry;  ///< doubled up to a second, from the first again after a frame
 };
 
 /// Opens the device at the first question for a frame, and again whenever it is lost, silent, or not to be had: that is

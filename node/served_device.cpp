@@ -37,6 +37,12 @@ Time wall_clock() {
   return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
 }
 
+/// The counts as they lie in memory: 16-bit little-endian, row-major.
+drivers::SharedBytes image_of(const Grid<std::uint16_t>& raw) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(raw.data());
+  return std::make_shared<const std::vector<std::uint8_t>>(bytes, bytes + 2 * raw.size());
+}
+
 }  // namespace
 
 Time ServedDevice::State::now() const {
@@ -51,12 +57,22 @@ void ServedDevice::State::begin() {
 
 /// One round: everything but rendering.
 void ServedDevice::State::serve() {
-  server.serve();
+  server->serve();
+  inject_faults();
   take_commands();
   if (began) {
     way->advance_to(now());
     note_poses();
   }
+}
+
+void ServedDevice::State::inject_faults() {
+  if (!faults) return;
+  if (!first_reader && server->readers() > 0) first_reader = MonotonicClock::now();
+  if (!first_reader) return;
+  const auto since = std::chrono::duration_cast<Duration>(MonotonicClock::now() - *first_reader);
+  for (const drivers::Fault& fault : faults->advance(since, *server))
+    spdlog::warn("fault of line {}: {} at {:.3f} s", fault.line, to_string(fault.kind), to_seconds(since));
 }
 
 void ServedDevice::State::take_commands() {
@@ -108,7 +124,7 @@ bool ServedDevice::State::serve_until(const std::function<bool()>& reached) {
 /// Sends a trajectory's last frame to its end, as long as somebody takes it.
 void ServedDevice::State::drain() {
   const auto limit = MonotonicClock::now() + std::chrono::seconds(2);
-  while (server.busy() && MonotonicClock::now() < limit && !signals.wait(kRest)) server.serve();
+  while (server->busy() && MonotonicClock::now() < limit && !signals.wait(kRest)) server->serve();
 }
 
 Status ServedDevice::State::render_and_send(std::size_t i) {
@@ -124,16 +140,17 @@ Status ServedDevice::State::render_and_send(std::size_t i) {
   const auto encoded = encoder.encode({i, row_time, poses, PoseVariance{}, frame->raw, frame->reflectance}, *message);
   if (!encoded) return encoded;
   ++rendered;
-  server.send(std::move(message));
+  drivers::ServedFrame served{std::move(message), has_images ? image_of(frame->raw) : nullptr, false};
+  server->send(faults ? faults->spoil(std::move(served), i) : std::move(served));
   return {};
 }
 
 Status ServedDevice::run() {
   State& s = *state_;
-  spdlog::info("serving {} at {}", s.sensor, to_string(s.server.address()));
+  spdlog::info("serving {} at {}", s.sensor, s.server->address());
   if (s.drive_socket) spdlog::info("driven at {}:{}", s.drive_host, s.drive_socket->local_port());
   const bool driven = s.robot.has_value();
-  if (!driven && !s.serve_until([&] { return s.server.readers() > 0; })) return {};
+  if (!driven && !s.serve_until([&] { return s.server->readers() > 0; })) return {};
   s.begin();
   const auto frames =
       std::min(s.way->frame_count().value_or(SIZE_MAX), static_cast<std::size_t>(s.options.frames.value_or(SIZE_MAX)));
@@ -145,7 +162,7 @@ Status ServedDevice::run() {
       ++s.late;  // a newer one is due already
       continue;
     }
-    if (s.server.readers() == 0) {
+    if (s.server->readers() == 0) {
       ++s.unread;
       continue;
     }

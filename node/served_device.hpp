@@ -22,6 +22,7 @@ struct ServeOptions {
   std::optional<Duration> duration;     ///< of the drive, at most
   std::optional<std::uint64_t> frames;  ///< at most
   mapping::VehicleConfig vehicle;       ///< whose limits are judged on the true ground
+  std::optional<std::string> faults;    ///< script of what goes wrong
   std::uint32_t stream_id = 1;          ///< of pose_out
 };
 
@@ -29,7 +30,8 @@ struct ServeOptions {
 /// served.
 class ServedDevice {
  public:
-  /// Opens every address and file. Errors: usage, unavailable, cannot_create.
+  /// Opens every address and file. Errors: usage, unavailable, cannot_create; no_input, bad_data
+  /// (the fault script).
   static Result<std::unique_ptr<ServedDevice>> open(drivers::Simulator simulator, const std::string& sensor,
                                                     ServeOptions options);
   ~ServedDevice();

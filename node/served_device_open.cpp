@@ -1,6 +1,7 @@
 // A served device before and after its drive: what it opens, and what it says of itself.
 
 #include <cmath>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -18,6 +19,47 @@ drivers::stream::Geometry geometry_of(const drivers::Simulator& simulator, const
     geometry.sensor.projection.reflectance_shift = 16;
   }
   return geometry;
+}
+
+/// Of GEOMETRY and FRAME together, with as many poses as can lie around the rows.
+std::size_t largest_message(const drivers::stream::Geometry& geometry, const drivers::stream::Encoder& encoder) {
+  const auto rows = static_cast<std::size_t>(geometry.sensor.projection.rows);
+  const auto columns = static_cast<std::size_t>(geometry.sensor.projection.columns);
+  const std::size_t poses = geometry.sensor.row_period == Duration{0} ? 2 : drivers::stream::kMaxPoses;
+  return 2 * drivers::stream::kHeaderBytes + encoder.geometry_payload().size() + drivers::stream::kFrameBytes +
+         8 * rows + drivers::stream::kPoseBytes * poses +
+         static_cast<std::size_t>(geometry.word_bytes) * rows * columns;
+}
+
+/// Words of 16 bits are what a depth image holds.
+drivers::ServedShape shape_of(const drivers::Simulator& simulator, const drivers::stream::Geometry& geometry,
+                              const drivers::stream::Encoder& encoder) {
+  const ProjectionConfig& projection = geometry.sensor.projection;
+  return {geometry.device,
+          projection.rows,
+          projection.columns,
+          geometry.word_bytes == 2,
+          simulator.frame_time(1) - simulator.frame_time(0),
+          largest_message(geometry, encoder)};
+}
+
+/// The same device, were its images half as high.
+drivers::stream::Geometry upper_half(drivers::stream::Geometry geometry) {
+  ProjectionConfig& projection = geometry.sensor.projection;
+  projection.rows /= 2;
+  projection.trusted_rows = projection.rows;
+  if (!projection.row_elevations_rad.empty())
+    projection.row_elevations_rad.resize(static_cast<std::size_t>(projection.rows));
+  return geometry;
+}
+
+nlohmann::ordered_json faults_json(const FaultInjector& faults) {
+  nlohmann::ordered_json json;
+  for (std::size_t i = 0; i < drivers::kFaultKinds; ++i)
+    json[std::string(to_string(static_cast<drivers::FaultKind>(i)))] = faults.injected()[i];
+  json["frames_corrupted"] = faults.frames_corrupted();
+  json["frames_of_wrong_geometry"] = faults.frames_of_wrong_geometry();
+  return json;
 }
 
 }  // namespace
@@ -47,6 +89,20 @@ Status ServedDevice::State::open_drive() {
   return {};
 }
 
+Status ServedDevice::State::open_faults(const drivers::stream::Geometry& geometry) {
+  if (!options.faults) return {};
+  auto script = drivers::load_fault_script(*options.faults);
+  if (!script) return script.error();
+  for (const drivers::Fault& fault : *script)
+    if (drivers::needs_endpoint(fault.kind) && !server->has_endpoints())
+      return Error{ErrorKind::usage,
+                   fmt::format("{}:{}: expected faults of a socket, found '{}', which needs --serve usbredir:",
+                               *options.faults, fault.line, to_string(fault.kind))};
+  faults.emplace(*std::move(script), simulator.frame_time(1) - simulator.frame_time(0),
+                 drivers::stream::encode_geometry(upper_half(geometry)));
+  return {};
+}
+
 Status ServedDevice::State::open_outputs(std::uint64_t boot_id) {
   for (const std::string& destination : options.pose_out) {
     auto output = PoseOutput::open(destination, options.stream_id, boot_id);
@@ -64,13 +120,17 @@ Result<std::unique_ptr<ServedDevice>> ServedDevice::open(drivers::Simulator simu
                                                          ServeOptions options) {
   const auto boot_id = random_id("boot_id");
   if (!boot_id) return boot_id.error();
-  auto server = drivers::StreamServer::open(options.address);
-  if (!server) return server.error();
-  auto encoder = drivers::stream::Encoder::make(geometry_of(simulator, sensor), *boot_id, true);
+  const drivers::stream::Geometry geometry = geometry_of(simulator, sensor);
+  auto encoder = drivers::stream::Encoder::make(geometry, *boot_id, true);
   if (!encoder) return encoder.error();
+  const drivers::ServedShape shape = shape_of(simulator, geometry, *encoder);
+  auto server = drivers::open_frame_server(options.address, shape);
+  if (!server) return server.error();
   auto state =
       std::make_unique<State>(std::move(simulator), std::move(options), *std::move(server), *std::move(encoder));
   state->sensor = sensor;
+  state->has_images = shape.camera;
+  if (auto opened = state->open_faults(geometry); !opened) return opened.error();
   if (auto opened = state->open_drive(); !opened) return opened.error();
   if (auto opened = state->open_outputs(*boot_id); !opened) return opened.error();
   return std::unique_ptr<ServedDevice>(new ServedDevice(std::move(state)));
@@ -78,7 +138,7 @@ Result<std::unique_ptr<ServedDevice>> ServedDevice::open(drivers::Simulator simu
 
 std::string ServedDevice::report() const {
   const State& s = *state_;
-  const auto& counters = s.server.counters();
+  const auto& counters = s.server->counters();
   std::uint64_t poses_sent = 0, poses_failed = 0;
   for (const PoseOutput& output : s.pose_outputs) {
     poses_sent += output.sent();
@@ -115,6 +175,7 @@ std::string ServedDevice::report() const {
                      {"rejected", s.commands.rejected()},
                      {"timeouts", s.robot->timeouts()},
                      {"edge_stops", s.robot->edge_stops()}};
+  if (s.faults) json["faults"] = faults_json(*s.faults);
   return json.dump(2);
 }
 

@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "drivers/drive_command.hpp"
+#include "drivers/frame_server.hpp"
 #include "drivers/frame_stream.hpp"
-#include "drivers/stream_server.hpp"
 #include "drivers/table.hpp"
+#include "node/fault_injector.hpp"
 #include "node/ground_limits.hpp"
 #include "node/pose_output.hpp"
 #include "node/robot_way.hpp"
@@ -21,7 +22,7 @@
 namespace scree::node {
 
 struct ServedDevice::State {
-  State(drivers::Simulator the_simulator, ServeOptions the_options, drivers::StreamServer the_server,
+  State(drivers::Simulator the_simulator, ServeOptions the_options, std::unique_ptr<drivers::FrameServer> the_server,
         drivers::stream::Encoder the_encoder)
       : simulator(std::move(the_simulator)),
         options(std::move(the_options)),
@@ -30,11 +31,13 @@ struct ServedDevice::State {
         ground(simulator.terrain(), options.vehicle) {}
 
   Status open_drive();
+  Status open_faults(const drivers::stream::Geometry& geometry);
   Status open_outputs(std::uint64_t boot_id);
   Time now() const;  ///< of the drive
   void begin();
   void serve();
   void take_commands();
+  void inject_faults();
   void note_poses();
   bool stopped();
   bool serve_until(const std::function<bool()>& reached);
@@ -45,7 +48,8 @@ struct ServedDevice::State {
   drivers::Simulator simulator;
   ServeOptions options;
   std::string sensor;
-  drivers::StreamServer server;
+  bool has_images = false;  ///< counts go out as images too
+  std::unique_ptr<drivers::FrameServer> server;
   drivers::stream::Encoder encoder;
   GroundLimits ground;
   std::optional<drivers::DrivenRobot> robot;
@@ -55,6 +59,8 @@ struct ServedDevice::State {
   drivers::DriveReceiver commands;
   std::vector<PoseOutput> pose_outputs;
   std::ofstream track;
+  std::optional<FaultInjector> faults;
+  std::optional<MonotonicTime> first_reader;
 
   std::optional<MonotonicTime> began;
   Duration epoch{0};         ///< Unix time of the drive's zero

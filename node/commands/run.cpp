@@ -12,6 +12,7 @@
 #include "node/commands/command_line.hpp"
 #include "node/commands/run_node.hpp"
 #include "node/node_source.hpp"
+#include "node/signals.hpp"
 
 namespace scree::node {
 namespace {
@@ -58,6 +59,7 @@ Result<std::vector<NodeSource>> open_all(const config::Settings& settings) {
 }
 
 Result<int> run_live(const RunOptions& options) {
+  SignalWatch signals;  // before any thread of a source, libusb's own too: whoever does not block SIGTERM dies of it
   auto settings = options.config.load();
   if (!settings) return settings.error();
   const auto all = settings->all_sources();

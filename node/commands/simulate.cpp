@@ -87,8 +87,9 @@ Status check_mode(const SimulateOptions& options) {
     return Error{ErrorKind::usage, fmt::format("simulate: expected one of --out and --serve, found {}",
                                                options.out ? "both" : "neither")};
   const ServeOptions& serve = options.serve;
-  const bool of_a_device = serve.drive || !serve.pose_out.empty() || serve.track || options.duration_s > 0.0 ||
-                           options.frames > 0 || options.config || !options.assignments.empty() || options.json;
+  const bool of_a_device = serve.drive || serve.faults || !serve.pose_out.empty() || serve.track ||
+                           options.duration_s > 0.0 || options.frames > 0 || options.config ||
+                           !options.assignments.empty() || options.json;
   if (options.out && of_a_device)
     return Error{ErrorKind::usage, "simulate: expected --serve with the options of a device, found --out"};
   return {};
@@ -105,11 +106,13 @@ Result<int> run_simulate(SimulateOptions options) {
 void add_device_options(CLI::App& command, SimulateOptions& options) {
   ServeOptions& serve = options.serve;
   command.add_option("--serve", serve.address, "Act as a live device instead: source.kind stream connects here")
-      ->type_name("unix:PATH|tcp:PORT");
+      ->type_name("unix:PATH|tcp:PORT|usbredir:PATH");
   command
       .add_option("--drive", serve.drive,
                   "The robot starts where the trajectory does and obeys drive commands (UDP) that come here")
       ->type_name("ADDRESS:PORT");
+  command.add_option("--faults", serve.faults, "Script of what goes wrong with the device (docs/simulator.md)")
+      ->type_name("FILE");
   command.add_option("--pose-out", serve.pose_out, "POSE_INPUT messages of the odometry go here; repeatable")
       ->type_name("ADDRESS:PORT")
       ->allow_extra_args(false);
@@ -139,9 +142,9 @@ Command add_simulate(CLI::App& app) {
                    "A DEM or point file, or fbm:D,AMPLITUDE_M,SEED[,EXTENT_M=60[,CELL_M=0.05]]")
       ->required()
       ->type_name("FILE|fbm:...");
-  command->add_option("--sensor", simulator.sensor, "perceptron-usf, perceptron-cmu, lidar64 or depth")
+  command->add_option("--sensor", simulator.sensor, "perceptron-usf, perceptron-cmu, lidar64, depth or depth-small")
       ->required()
-      ->check(CLI::IsMember({"perceptron-usf", "perceptron-cmu", "lidar64", "depth"}))
+      ->check(CLI::IsMember({"perceptron-usf", "perceptron-cmu", "lidar64", "depth", "depth-small"}))
       ->type_name("NAME");
   command
       ->add_option("--trajectory", simulator.trajectory,

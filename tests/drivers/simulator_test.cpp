@@ -98,7 +98,7 @@ TEST_P(EverySensor, DeclaredNoiseIsTheMeasuredOneOnLevelGround) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Simulator, EverySensor,
-                         testing::Values("perceptron-usf", "perceptron-cmu", "lidar64", "depth"),
+                         testing::Values("perceptron-usf", "perceptron-cmu", "lidar64", "depth", "depth-small"),
                          [](const auto& sensor) {
                            std::string name = sensor.param;
                            std::erase(name, '-');
@@ -139,7 +139,7 @@ TEST(Simulator, PointConverterPutsNoiselessFramesBackOntoTheTerrain) {
 }
 
 TEST(Simulator, DescribesItsRecordingAsTheFormatWantsIt) {
-  for (const char* name : {"perceptron-usf", "perceptron-cmu", "lidar64", "depth"}) {
+  for (const char* name : {"perceptron-usf", "perceptron-cmu", "lidar64", "depth", "depth-small"}) {
     const auto simulator = made(small_drive(name, true));
     const auto& description = simulator.description();
     EXPECT_EQ(description.origin, Origin::sim);
@@ -189,7 +189,7 @@ TEST(Simulator, UsageErrorsNameWhatIsExpected) {
     return config;
   };
   expect(with(&SimulatorConfig::sensor, "sonar"), ErrorKind::usage,
-         "perceptron-usf | perceptron-cmu | lidar64 | depth");
+         "perceptron-usf | perceptron-cmu | lidar64 | depth | depth-small");
   expect(with(&SimulatorConfig::terrain, "fbm:2.3,0.1"), ErrorKind::usage, "fbm:D,AMPLITUDE_M,SEED");
   expect(with(&SimulatorConfig::terrain, "fbm:3.3,0.1,1"), ErrorKind::usage, "D must be between 2 and 3");
   expect(with(&SimulatorConfig::terrain, "fbm:2.3,0.1,1.5"), ErrorKind::usage, "seed");

@@ -239,7 +239,7 @@ TEST(StreamFrameReader, ADeviceThatIsNotTheConfiguredOneIsNamedByParameter) {
 }
 
 TEST(StreamFrameReader, EverySimulatedSensorsFrameArrivesToTheLastBit) {
-  for (const char* name : {"perceptron-usf", "perceptron-cmu", "lidar64", "depth"}) {
+  for (const char* name : {"perceptron-usf", "perceptron-cmu", "lidar64", "depth", "depth-small"}) {
     const Simulator simulator = made(small_drive(name, true));
     SerialExecutor executor;
     const auto rendered = simulator.render(1, executor);

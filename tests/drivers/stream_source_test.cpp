@@ -2,6 +2,7 @@
 
 #include "drivers/stream_source.hpp"
 
+#include <filesystem>
 #include <gmock/gmock.h>
 #include <thread>
 
@@ -71,16 +72,16 @@ TEST_F(StreamSourceTest, FramesArriveAndTheSimulatedOnesSaySo) {
   open_server();
   open_source();
   connect();
-  server_->send(message(0, false));
+  server_->send({message(0, false)});
   EXPECT_EQ(event().kind, Kind::frame);
   EXPECT_EQ(source_->origin(), Origin::live);
-  server_->send(message(1, true));
+  server_->send({message(1, true)});
   const auto simulated = event();
   ASSERT_EQ(simulated.kind, Kind::frame);
   EXPECT_EQ(simulated.frame->sequence, 1u);
   EXPECT_THAT(simulated.message, ::testing::HasSubstr("simulated"));
   EXPECT_EQ(source_->origin(), Origin::sim);
-  server_->send(message(2, false));
+  server_->send({message(2, false)});
   EXPECT_EQ(event().kind, Kind::frame);
   EXPECT_EQ(source_->origin(), Origin::sim) << "the map holds simulated ground by now";
 }
@@ -91,7 +92,7 @@ TEST_F(StreamSourceTest, HilStaysHil) {
   config.origin = Origin::hil;
   open_source(config);
   connect();
-  server_->send(message(0));
+  server_->send({message(0)});
   EXPECT_EQ(event().kind, Kind::frame);
   EXPECT_EQ(source_->origin(), Origin::hil);
 }
@@ -101,7 +102,7 @@ TEST_F(StreamSourceTest, ALostDeviceIsANoticeAndFramesGoOnWhenItIsBack) {
   EXPECT_THAT(event().message, ::testing::HasSubstr("trying again"));
   open_server();
   connect();
-  server_->send(message(0));
+  server_->send({message(0)});
   EXPECT_EQ(event().kind, Kind::frame);
   server_.reset();
   const auto lost = event();
@@ -110,7 +111,7 @@ TEST_F(StreamSourceTest, ALostDeviceIsANoticeAndFramesGoOnWhenItIsBack) {
   EXPECT_THAT(event().message, ::testing::HasSubstr("trying again"));
   open_server();
   connect();
-  server_->send(message(5));
+  server_->send({message(5)});
   EXPECT_EQ(event().kind, Kind::frame);
   EXPECT_EQ(counted("connections"), 2u);
   EXPECT_EQ(counted("frames_missing"), 4u);
@@ -153,7 +154,7 @@ TEST_F(StreamSourceTest, ADamagedFrameIsSkippedOnceAndCounted) {
   bytes.insert(bytes.end(), damaged.begin(), damaged.end());
   const auto last = message(2);
   bytes.insert(bytes.end(), last->begin(), last->end());
-  server_->send(std::make_shared<const Bytes>(bytes));
+  server_->send({std::make_shared<const Bytes>(bytes)});
   EXPECT_EQ(event().kind, Kind::frame);
   const auto skipped = event();
   EXPECT_EQ(skipped.kind, Kind::skipped);
@@ -173,7 +174,7 @@ TEST_F(StreamSourceTest, AFrameWithoutPosesIsSkippedWithAdvice) {
   connect();
   auto frame = stream::test_frame(0);
   frame.poses.clear();
-  server_->send(std::make_shared<const Bytes>(stream::encoded(stream::test_encoder(), frame)));
+  server_->send({std::make_shared<const Bytes>(stream::encoded(stream::test_encoder(), frame))});
   const auto skipped = event();
   EXPECT_EQ(skipped.kind, Kind::skipped);
   EXPECT_THAT(skipped.message, ::testing::HasSubstr("pose.source udp or static"));
@@ -186,7 +187,7 @@ TEST_F(StreamSourceTest, ASensorThatIsNotTheConfiguredOneEndsTheSource) {
     return Error{ErrorKind::bad_config, "sensor.parameters.rows: expected 5, found 3"};
   });
   connect();
-  server_->send(message(0));
+  server_->send({message(0)});
   Result<SourceEvent> next = SourceEvent{};
   for (int i = 0; next && i < 1000; ++i) {
     server_->serve();
@@ -206,7 +207,7 @@ TEST_F(StreamSourceTest, ASlowReaderMissesWholeFramesAndTheOthersDoNot) {
   while (server_->readers() < 2) server_->serve();
   std::uint64_t sent = 0;
   while (server_->counters().superseded == 0 && sent < 100'000) {  // until the kernel holds no more for the slow one
-    server_->send(message(sent++));
+    server_->send({message(sent++)});
     EXPECT_EQ(event().kind, Kind::frame);
   }
   EXPECT_GT(server_->counters().superseded, 0u);
@@ -249,18 +250,50 @@ TEST(StreamAddress, OnlyThisMachineIsAccepted) {
   EXPECT_THAT(text("unix:" + std::string(108, 'x')), ::testing::HasSubstr("1 … 107 bytes"));
 }
 
+TEST_F(StreamSourceTest, AnUnpluggedDeviceIsLostAndComesBackAtItsAddress) {
+  open_server();
+  open_source();
+  connect();
+  server_->set_link({.unplugged = true});
+  EXPECT_EQ(event().kind, Kind::notice) << "gone";
+  EXPECT_EQ(server_->readers(), 0u);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "stream")) << "nobody listens";
+  server_->set_link({});
+  SourceEvent came;
+  for (int i = 0; i < 5 && !came.message.ends_with("connected"); ++i) came = event();
+  EXPECT_TRUE(came.message.ends_with("connected")) << came.message;
+  server_->serve();
+  server_->send({message(0)});
+  EXPECT_EQ(event().kind, Kind::frame);
+}
+
+TEST_F(StreamSourceTest, AFrozenLinkHoldsAFrameBack) {
+  open_server();
+  open_source();
+  connect();
+  server_->set_link({.frozen = true});
+  server_->send({message(0)});
+  for (int i = 0; i < 20; ++i) {
+    server_->serve();
+    EXPECT_EQ(source_->next(milliseconds(1))->kind, Kind::timeout);
+  }
+  EXPECT_TRUE(server_->busy());
+  server_->set_link({});
+  EXPECT_EQ(event().kind, Kind::frame);
+}
+
 TEST(StreamServer, TcpOnTheLoopbackWorksTheSame) {
   auto server = StreamServer::open("tcp:0");
   ASSERT_TRUE(server);
   StreamSourceConfig config;
-  config.address = to_string(server->address());
+  config.address = server->address();
   auto source = open_stream(config, stream::as_told);
   ASSERT_TRUE(source);
   std::vector<std::uint64_t> sequences;
   for (int i = 0; i < 2000 && sequences.size() < 3; ++i) {
     server->serve();
     if (server->readers() > 0 && !server->busy() && server->counters().sent < 3)
-      server->send(message(server->counters().sent));
+      server->send({message(server->counters().sent)});
     const auto event = (*source)->next(milliseconds(2));
     ASSERT_TRUE(event);
     if (event->kind == Kind::frame) sequences.push_back(event->frame->sequence);

@@ -54,6 +54,7 @@ const std::map<std::string, Rule> kAdapters{
     {"drivers/terrain_load.cpp", {{"fractal"}, {}}},
     {"drivers/checksum.cpp", {{}, {"zlib.h"}}},
     {"drivers/stream_socket.cpp", {{}, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/inet.h", "poll.h"}}},
+    {"drivers/usbredir_port.hpp", {{}, {"usbredirparser.h"}}},
     {"drivers/usb_context.cpp", {{}, {"libusb.h"}}},
     {"drivers/usb_devices.cpp", {{}, {"libusb.h"}}},
     {"drivers/usb_interface.cpp", {{}, {"libusb.h"}}},

@@ -63,6 +63,26 @@ TEST(BadInput, UnwritableOutputIs73BeforeTheWork) {
   EXPECT_EQ(simulated.exit_code, 73) << simulated.err;
 }
 
+TEST(BadInput, FaultScriptsAreJudgedBeforeTheDeviceServes) {
+  const TemporaryFolder folder;
+  const auto serve = [&](const std::string& script) {
+    write_file(folder / "faults.txt", script);
+    return scree({"simulate", "--terrain", "fbm:2.3,0.1,7,10,0.1", "--sensor", "depth-small", "--trajectory",
+                  "line:-2,0,0,1,1", "--serve", "unix:" + (folder / "s").string(), "--faults",
+                  (folder / "faults.txt").string()});
+  };
+  const auto unknown = serve("# none\n1 explode\n");
+  EXPECT_EQ(unknown.exit_code, 65);
+  EXPECT_THAT(unknown.err, HasSubstr("faults.txt:2: expected one of unplug, stall"));
+  const auto endpoint = serve("1 unplug 1\n2 babble\n");
+  EXPECT_EQ(endpoint.exit_code, 64);
+  EXPECT_THAT(endpoint.err, HasSubstr("faults.txt:2: expected faults of a socket, found 'babble'"));
+  const auto recording =
+      scree({"simulate", "--terrain", "fbm:2.3,0.1,7,10,0.1", "--sensor", "depth-small", "--trajectory",
+             "line:-2,0,0,1,1", "--out", (folder / "out").string(), "--faults", "x"});
+  EXPECT_EQ(recording.exit_code, 64) << "a recording has no faults";
+}
+
 TEST(BadInput, OccupiedPortsAre69) {
   Process first(command({"listen", "--address", address(1)}));
   ASSERT_TRUE(first.wait_for_text("listening at")) << first.err();
