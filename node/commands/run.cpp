@@ -34,10 +34,19 @@ drivers::Origin origin_of(const config::Settings& settings) {
   return has(config::SourceKind::simulated) ? drivers::Origin::sim : settings.publish.origin;
 }
 
-/// How long a call into the source may take: a kernel that waits for an answer of a USB device takes its 5 s.
-Duration patience(const config::SourceSettings& source) {
-  const bool of_the_kernel = source.kind == config::SourceKind::usb || source.kind == config::SourceKind::v4l2;
-  return std::chrono::milliseconds(source.deadline_ms) + std::chrono::seconds(of_the_kernel ? 8 : 0);
+/// How long a call into the source may take: a kernel that waits for an answer of a USB device takes its 5 s. What only
+/// computes or reads files may take as long as it needs.
+std::optional<Duration> patience(const config::SourceSettings& source) {
+  const std::chrono::milliseconds deadline(source.deadline_ms);
+  switch (source.kind) {
+    case config::SourceKind::stream:
+      return deadline;
+    case config::SourceKind::usb:
+    case config::SourceKind::v4l2:
+      return deadline + std::chrono::seconds(8);
+    default:
+      return std::nullopt;
+  }
 }
 
 bool is_recording(const config::SourceSettings& source) {

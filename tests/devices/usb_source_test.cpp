@@ -46,7 +46,7 @@ Frames streamed(const std::vector<Bytes>& messages) {
   for (int i = 0; i < 10'000 && out.size() < messages.size(); ++i) {
     server->serve();
     if (server->readers() > 0 && !server->busy() && server->counters().sent < messages.size())
-      server->send(std::make_shared<const Bytes>(messages[server->counters().sent]));
+      server->send({std::make_shared<const Bytes>(messages[server->counters().sent])});
     const auto event = source->next(milliseconds(1));
     EXPECT_TRUE(event);
     if (event && event->kind == SourceEvent::Kind::frame) out.push_back(event->frame);

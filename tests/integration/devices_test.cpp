@@ -17,7 +17,8 @@ TEST(Devices, AreListedAndTheirAbsenceIsNoFailure) {
   ASSERT_TRUE(document.is_object()) << json.out;
   EXPECT_TRUE(document.at("v4l2").is_array());
   EXPECT_TRUE(document.at("usb").is_array());
-  EXPECT_EQ(document.size(), 2u);
+  EXPECT_TRUE(document.at("usb_error").is_string());
+  EXPECT_EQ(document.size(), 3u);
 }
 
 }  // namespace

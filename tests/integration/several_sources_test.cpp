@@ -87,9 +87,9 @@ TEST_F(SeveralSources, ACameraNeedsPosesAndIntrinsicsFromTheConfiguration) {
   const auto without_sensor = run(live(config("{kind: v4l2, device: /dev/none}"), ear_));
   EXPECT_EQ(without_sensor.exit_code, 78);
   EXPECT_THAT(without_sensor.err, ::testing::HasSubstr("expected a sensor with projection pinhole"));
-  const auto without_pose = run(
-      live(config("{kind: v4l2, device: /dev/none, sensor: {projection: pinhole, parameters: {fx_px: 9, fy_px: 9}}}"),
-           ear_, {"--set", "pose.source=recording"}));
+  const auto without_pose = run(live(config("{kind: v4l2, device: /dev/none, sensor: {projection: pinhole, parameters: "
+                                            "{fx_px: 9, fy_px: 9, cx_px: 4, cy_px: 4}}}"),
+                                     ear_, {"--set", "pose.source=recording"}));
   EXPECT_EQ(without_pose.exit_code, 78);
   EXPECT_THAT(without_pose.err, ::testing::HasSubstr("expected udp or static with a source of kind v4l2"));
 }
@@ -97,7 +97,7 @@ TEST_F(SeveralSources, ACameraNeedsPosesAndIntrinsicsFromTheConfiguration) {
 TEST_F(SeveralSources, DevicesThatAreNotThereAreWaitedFor) {
   Process front(device("lidar64", "front"));
   Process node(live(config("{name: low, kind: v4l2, device: /dev/none, sensor: {projection: pinhole, parameters: "
-                           "{fx_px: 9, fy_px: 9}}}"),
+                           "{fx_px: 9, fy_px: 9, cx_px: 4, cy_px: 4}}}"),
                     ear_));
   ASSERT_TRUE(until_sensor(0, SensorState::ok)) << node.err();
   EXPECT_TRUE(until_sensor(1, SensorState::waiting));
