@@ -262,6 +262,7 @@ Schema<Settings> make_schema() {
          source_schema());
   append(schema, "", Lens<Settings, SensorSettings>([](Settings& s) -> SensorSettings& { return s; }),
          sensor_settings_schema());
+  schema.rules.push_back(single_source_rule());
   schema.rules.push_back({{"map.size_cells", "map.cell_m", "vehicle.wheelbase_m", "vehicle.track_m"},
                           [](const Settings& s) -> std::optional<Contradiction> {
                             const double side_m = s.map.cell_m * s.map.size_cells;

@@ -102,6 +102,18 @@ std::optional<std::size_t> index_of(std::string_view assignment) {
   return index;
 }
 
+/// What a source of a kind needs of its sensor and of the poses.
+std::optional<Contradiction> contradiction_of(const SourceSettings& source, const Settings& settings) {
+  if (source.kind == SourceKind::simulated && !source.sensor_given.empty())
+    return Contradiction{"no `sensor` with kind simulated, which has its own", "sensor." + source.sensor_given.front()};
+  if (source.kind != SourceKind::v4l2) return std::nullopt;
+  if (!source.has_whole_sensor() || source.sensor->projection.kind != ProjectionKind::pinhole)
+    return Contradiction{"a sensor with projection pinhole and the camera's intrinsics with kind v4l2", "none"};
+  if (settings.pose.source == PoseSource::recording)
+    return Contradiction{"pose.source udp or static with kind v4l2, whose frames bring no pose", "recording"};
+  return std::nullopt;
+}
+
 /// What holds between the sources, and between the list and `source:`.
 void add_list_rules(Schema<Settings>& schema, std::size_t count) {
   schema.rules.push_back({{"source.kind", "sources[0].kind"}, [](const Settings& s) -> std::optional<Contradiction> {
@@ -120,6 +132,14 @@ void add_list_rules(Schema<Settings>& schema, std::size_t count) {
            return Contradiction{"what the source is: stream, usb, v4l2, simulated or recording", "none"};
          }});
     schema.rules.push_back(
+        {{fmt::format("sources[{}].kind", i), fmt::format("sources[{}].sensor.projection", i), "pose.source"},
+         [i](const Settings& s) { return contradiction_of(s.sources[i], s); }});
+    schema.rules.push_back(
+        {{fmt::format("sources[{}].kind", i)}, [i](const Settings& s) -> std::optional<Contradiction> {
+           if (s.sources[i].kind != SourceKind::recording || s.sources.size() == 1) return std::nullopt;
+           return Contradiction{"live sources beside each other", "a recording, whose times are others"};
+         }});
+    schema.rules.push_back(
         {{fmt::format("sources[{}].name", i)}, [i](const Settings& s) -> std::optional<Contradiction> {
            for (std::size_t j = 0; j < i; ++j)
              if (s.sources[j].name_at(j) == s.sources[i].name_at(i))
@@ -130,6 +150,11 @@ void add_list_rules(Schema<Settings>& schema, std::size_t count) {
 }
 
 }  // namespace
+
+Rule<Settings> single_source_rule() {
+  return {{"source.kind", "sensor.projection", "pose.source"},
+          [](const Settings& s) { return s.sources.empty() ? contradiction_of(s.all_sources()[0], s) : std::nullopt; }};
+}
 
 bool SensorSettings::has_whole_sensor() const {
   return std::find(sensor_given.begin(), sensor_given.end(), "projection") != sensor_given.end();

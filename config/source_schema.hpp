@@ -16,6 +16,9 @@ Schema<SourceSettings> source_schema();
 /// hold only for a whole one here (see effective_sensor).
 Schema<SensorSettings> sensor_settings_schema();
 
+/// What `source`, its `sensor` and `pose.source` must agree on.
+Rule<Settings> single_source_rule();
+
 /// The settings' schema for a configuration whose list `sources` has `count` entries: their keys are
 /// "sources[0].kind", "sources[0].sensor.range_max_m" and so on.
 Schema<Settings> with_sources(const Schema<Settings>& schema, std::size_t count);

@@ -21,6 +21,7 @@ Result<std::optional<SourceEvent>> StreamEvents::next() {
 }
 
 Result<std::optional<SourceEvent>> StreamEvents::take(const stream::Message& message) {
+  frames_heard_ += message.header.type == stream::MessageType::frame ? 1U : 0U;
   if (!frame_) frame_ = pool_.take();
   const auto taken = reader_.take(message, *frame_);
   if (!taken) return Error{taken.error().kind, fmt::format("{}: {}", name_, taken.error().message)};

@@ -37,8 +37,8 @@ class StreamEvents {
   Origin origin() const { return origin_; }
   const std::string& name() const { return name_; }
   SourceEvent notice(const std::string& what) const;
-  /// Good messages so far, of whatever type and use.
-  std::uint64_t messages() const { return decoder_.counters().messages; }
+  /// Good FRAME messages so far, of whatever use: a device that says what it is and sends no frames is silent.
+  std::uint64_t frames_heard() const { return frames_heard_; }
   /// bytes … frames_missing, as in docs/frame-stream.md.
   void add_counters(SourceCounters& out) const;
 
@@ -55,6 +55,7 @@ class StreamEvents {
   std::span<const std::uint8_t> left_;
   std::optional<stream::Message> message_;  ///< decoded and not taken yet
   std::uint64_t told_refused_ = 0;
+  std::uint64_t frames_heard_ = 0;
 };
 
 }  // namespace scree::drivers

@@ -44,6 +44,10 @@ Result<Taken> FrameReader::take_geometry(const Message& message) {
     return Taken::bad_geometry;
   }
   auto sensor = sensor_for_(told->sensor);
+  if (!sensor && taken(Taken::frame) > 0) {  // it was the right device before: what it says now is its fault
+    geometry_fault_ = reason_ = sensor.error().message;
+    return Taken::bad_geometry;
+  }
   if (!sensor) return sensor.error();
   const ProjectionConfig& image = told->sensor.projection;
   auto projection = make_projection(sensor->projection, image.rows, image.columns);

@@ -18,7 +18,8 @@ namespace scree::drivers::stream {
 enum class Taken : std::uint8_t { frame, geometry, ignored_type, bad_geometry, no_geometry, bad_frame, no_pose };
 inline constexpr std::size_t kTakenKinds = 7;
 
-/// Errors are faults of the configuration: the device is not the one that was configured.
+/// Errors are faults of the configuration: the device is not the one that was configured. After a first good frame they
+/// are the device's: the geometry is refused, and its frames are.
 using SensorFor = std::function<Result<SensorConfig>(const SensorConfig& told)>;
 
 /// Keeps the geometry from one message to the next. One thread.

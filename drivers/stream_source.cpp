@@ -50,9 +50,9 @@ class StreamSource final : public Source {
 
  private:
   Result<std::optional<SourceEvent>> decode() {
-    const std::uint64_t before = events_.messages();
+    const std::uint64_t before = events_.frames_heard();
     auto event = events_.next();
-    if (events_.messages() > before) last_good_ = MonotonicClock::now();
+    if (events_.frames_heard() > before) last_good_ = MonotonicClock::now();
     if (event && *event && (*event)->kind == SourceEvent::Kind::frame) retry_.reset();
     return event;
   }
@@ -79,7 +79,7 @@ class StreamSource final : public Source {
     const MonotonicTime silent = last_good_ + deadline_;
     if (now >= silent) {
       ++silences_;
-      return disconnect(fmt::format("expected a message within {} ms, found none", deadline_.count()));
+      return disconnect(fmt::format("expected a frame within {} ms, found none", deadline_.count()));
     }
     const auto wait = std::chrono::ceil<milliseconds>(std::min(deadline, silent) - now);
     const auto moved = socket_->read(chunk_, std::max(wait, milliseconds(0)));

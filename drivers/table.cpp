@@ -145,7 +145,7 @@ Result<double> parse_number(std::string_view field) {
 }
 
 Status parse_table(std::string_view text, const std::string& name, std::string_view header, const TableRow& row,
-                   std::string* torn) {
+                   std::string* torn, LastLine last_line) {
   std::vector<std::string_view> expected, fields;
   split(header, expected);
   std::size_t empty_line = 0;
@@ -164,6 +164,10 @@ Status parse_table(std::string_view text, const std::string& name, std::string_v
       continue;
     }
     if (empty_line != 0) return at_line(name, empty_line, "expected a row, found an empty line");
+    if (may_be_torn && last_line == LastLine::must_end) {
+      *torn = fmt::format("{}:{}: the last line has no end and is left out", name, line);
+      continue;
+    }
     Status taken = Error{ErrorKind::bad_data,
                          fmt::format("expected {} columns ({}), found {}", expected.size(), header, fields.size())};
     if (fields.size() == expected.size()) taken = row(line, fields);
@@ -209,7 +213,8 @@ Result<PosesTable> parse_uncertain_poses_table(std::string_view text, const std:
     table.poses.push_back(*pose);
     return {};
   };
-  const auto parsed = parse_table(text, name, uncertain ? kUncertainPosesHeader : kPosesHeader, take, torn);
+  const auto parsed = parse_table(text, name, uncertain ? kUncertainPosesHeader : kPosesHeader, take, torn,
+                                  uncertain ? LastLine::must_end : LastLine::may_end);
   if (!parsed) return parsed.error();
   if (table.poses.empty()) return at_line(name, 2, "expected at least one pose, found none");
   return table;
@@ -232,7 +237,8 @@ Result<std::vector<OrderRow>> parse_order_table(std::string_view text, const std
     rows.push_back({std::string(fields[0]), *frame});
     return {};
   };
-  if (const auto parsed = parse_table(text, name, kOrderHeader, take, torn); !parsed) return parsed.error();
+  if (const auto parsed = parse_table(text, name, kOrderHeader, take, torn, LastLine::must_end); !parsed)
+    return parsed.error();
   if (rows.empty()) return at_line(name, 2, "expected at least one frame, found none");
   return rows;
 }

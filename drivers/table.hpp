@@ -29,11 +29,13 @@ inline constexpr std::string_view kOrderHeader = "recording,frame";  ///< order.
 
 /// Calls `row(line_number, fields)` for each line of comma-separated `text` behind the header, which must equal
 /// `header`; blanks around fields are removed, CR LF and empty lines at the end are accepted. Stops at the first error.
-/// A last line without an end that cannot be read is what a writer that was killed leaves: with `torn` it is left out
-/// and `torn` says so. Errors: bad_data "name:line: expected …, found …".
+/// A last line without an end is what a writer that was killed leaves: with `torn` it is left out, and `torn` says so,
+/// when it cannot be read; with must_end, for tables that only this program writes, always, because half a number may
+/// be a number. Errors: bad_data "name:line: expected …, found …".
+enum class LastLine : std::uint8_t { may_end, must_end };
 using TableRow = std::function<Status(std::size_t line, std::span<const std::string_view> fields)>;
 Status parse_table(std::string_view text, const std::string& name, std::string_view header, const TableRow& row,
-                   std::string* torn = nullptr);
+                   std::string* torn = nullptr, LastLine last_line = LastLine::may_end);
 
 /// A finite decimal; nothing else in the field. The error carries no place: callers prepend it.
 Result<double> parse_number(std::string_view field);

@@ -1,10 +1,35 @@
 #include "drivers/usb_context.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <fmt/format.h>
 #include <libusb.h>
+#include <signal.h>
+#include <thread>
 #include <utility>
 
 namespace scree::drivers::usb {
+namespace {
+
+constexpr std::chrono::milliseconds kAfterError{50};
+
+/// libusb's threads inherit the mask of who starts them: a signal for the process must not end in one of theirs.
+class SignalsBlocked {
+ public:
+  SignalsBlocked() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+}  // namespace
 
 struct Context::Callbacks {
   /// Only notes what happened: libusb forbids most calls in here.
@@ -32,6 +57,7 @@ Context::~Context() {
 }
 
 Status Context::begin() {
+  const SignalsBlocked while_it_starts;
   const int code = libusb_init(&context_);
   if (code != 0) {
     context_ = nullptr;
@@ -54,7 +80,9 @@ void Context::end() {
 void Context::handle_events(std::chrono::milliseconds timeout) {
   const auto ms = std::max<std::chrono::milliseconds::rep>(timeout.count(), 0);
   timeval wait{static_cast<time_t>(ms / 1000), static_cast<suseconds_t>(ms % 1000 * 1000)};
-  libusb_handle_events_timeout_completed(context_, &wait, nullptr);
+  const int code = libusb_handle_events_timeout_completed(context_, &wait, nullptr);
+  // an error that stays must not become a loop at full speed
+  if (code != 0 && code != LIBUSB_ERROR_INTERRUPTED) std::this_thread::sleep_for(std::min(timeout, kAfterError));
 }
 
 std::vector<DeviceRef> Context::devices() const {

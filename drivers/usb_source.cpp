@@ -57,9 +57,9 @@ class UsbSource final : public Source {
 
  private:
   Result<std::optional<SourceEvent>> decode() {
-    const std::uint64_t before = events_.messages();
+    const std::uint64_t before = events_.frames_heard();
     auto event = events_.next();
-    if (events_.messages() > before) {
+    if (events_.frames_heard() > before) {
       last_good_ = MonotonicClock::now();
       recoveries_ = 0;
       restarted_ = false;
@@ -169,7 +169,7 @@ class UsbSource final : public Source {
 
   std::optional<SourceEvent> silence() {
     ++counters_.silences;
-    const auto why = fmt::format("expected a message within {} ms, found none", deadline_.count());
+    const auto why = fmt::format("expected a frame within {} ms, found none", deadline_.count());
     last_good_ = MonotonicClock::now();
     if (!std::exchange(restarted_, true)) {
       if (const auto status = link_->restart_stream(); !status)

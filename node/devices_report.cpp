@@ -79,7 +79,10 @@ std::string devices_text(const ConnectedDevices& devices) {
   std::string out;
   for (const auto& device : devices.v4l2) out += device_text(device);
   for (const auto& device : devices.usb) out += device_text(device);
-  if (out.empty()) out = "no devices: no V4L2 node /dev/video*, no range scanner on USB\n";
+  if (out.empty() && devices.usb_error.empty())
+    out = "no devices: no V4L2 node /dev/video*, no range scanner on USB\n";
+  else if (out.empty())
+    out = "no devices: no V4L2 node /dev/video*\n";
   if (!devices.usb_error.empty()) out += fmt::format("USB could not be looked at: {}\n", devices.usb_error);
   return out;
 }

@@ -27,11 +27,12 @@ Time end_time(const RangeFrame& frame);
 /// A lane for each source. With several, live, pop() gives the frames in the order of their ends: it holds a frame back
 /// as long as another source that is delivering may still bring an earlier one, judged by how late its frames came up
 /// to now, and at most for `merge`. A frame that comes after a later one was given is dropped and counted as late.
+/// Newest wins among the frames that need not be held any longer.
 class FrameQueue {
  public:
   struct Config {
     QueuePolicy policy = QueuePolicy::lossless;
-    std::size_t capacity = 1;  ///< of each lane
+    std::size_t capacity = 1;  ///< of each lane; several live sources: kHeld
     std::size_t sources = 1;
     Duration merge{0};
   };
@@ -39,15 +40,20 @@ class FrameQueue {
     std::shared_ptr<const RangeFrame> frame;  ///< null: there is none
     std::size_t source = 0;
   };
+  enum class Pushed { taken, late, stopped };
   struct Losses {
     std::uint64_t dropped = 0;  ///< superseded by a newer one of the same source
     std::uint64_t late = 0;
   };
 
+  /// Frames of one source that may be held back at a time: at 100 Hz those of 160 ms.
+  static constexpr std::size_t kHeld = 16;
+
   explicit FrameQueue(const Config& config) : config_(config), lanes_(config.sources) {}
 
-  /// False when `stop` came while waiting for room. `now` is the system's clock, of which the frame's times are.
-  bool push(std::shared_ptr<const RangeFrame> frame, std::size_t source, Time now, const std::stop_token& stop);
+  /// Stopped: `stop` came while waiting for room. `now` is the system's clock, of which the frame's times are; when it
+  /// is set back, what was given before counts no more.
+  Pushed push(std::shared_ptr<const RangeFrame> frame, std::size_t source, Time now, const std::stop_token& stop);
   /// No frame when the queue is closed and empty, or on `stop`.
   Entry pop(const std::stop_token& stop);
   /// No frame will follow; what is in the queue still comes out.
@@ -69,11 +75,14 @@ class FrameQueue {
   struct Lane {
     std::deque<Waiting> frames;
     std::optional<MonotonicTime> last_arrival;
+    Duration interval{0};  ///< between the last two arrivals
     Duration lateness{0};  ///< age at arrival: the largest of late, slowly forgotten
     Losses losses;
   };
   std::optional<std::size_t> earliest() const;
-  MonotonicTime due(std::size_t source) const;
+  MonotonicTime due(std::size_t source, const Waiting& waiting) const;
+  bool merges() const { return lanes_.size() > 1 && config_.policy == QueuePolicy::newest_wins; }
+  void supersede(MonotonicTime now);
   bool is_late(Lane& lane);
   Entry take(std::size_t source);
 

@@ -100,22 +100,14 @@ OpenedSource open_usb_scanner(const config::SourceSettings& source, const config
   return drivers::open_usb(usb, sensor_for(source));
 }
 
-/// A camera says nothing of its optics, nor of where it is.
+/// A camera says nothing of its optics, nor of where it is: the configuration does, as its rules make sure.
 OpenedSource open_camera(const config::SourceSettings& source, const config::Settings& settings) {
-  if (!source.has_whole_sensor())
-    return Error{ErrorKind::bad_config,
-                 "configuration: source.kind v4l2: expected a sensor with projection pinhole and "
-                 "the camera's intrinsics, found none"};
-  if (settings.pose.source == config::PoseSource::recording)
-    return Error{ErrorKind::bad_config,
-                 "configuration: pose.source: expected udp or static with a source of kind v4l2, whose frames bring no "
-                 "pose, found recording"};
   drivers::V4l2SourceConfig camera;
   camera.device = source.device;
   camera.format = source.format;
   camera.rate_hz = source.rate_hz;
   camera.deadline = std::chrono::milliseconds(source.deadline_ms);
-  camera.sensor = *source.sensor;
+  camera.sensor = source.sensor.value_or(SensorConfig{});
   camera.origin = settings.publish.origin;
   return drivers::open_v4l2(camera);
 }

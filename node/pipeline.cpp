@@ -55,6 +55,11 @@ Pipeline::Pipeline(PipelineConfig config, std::vector<NodeSource> sources, std::
       recorder_(std::move(recorder)),
       source_states_(sources.size()),
       sources_(sources.size()) {
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    source_states_[i].statistics.name = sources[i].name;
+    source_states_[i].last_frame = MonotonicClock::now();  // no sensor is late for what was built until now
+    sources_[i].setup = std::move(sources[i]);
+  }
   for (int i = 1; i < pool_.threads(); ++i)
     workers_.push_back(named_thread("scree-worker", [this](const std::stop_token& stop) { pool_.work(stop); }));
   if (recorder_) record_thread_ = named_thread("scree-record", [this](const std::stop_token&) { record(); });
@@ -62,13 +67,7 @@ Pipeline::Pipeline(PipelineConfig config, std::vector<NodeSource> sources, std::
   publish_thread_ = named_thread("scree-publish", [this](const std::stop_token& stop) { publish(stop); });
   map_thread_ = named_thread("scree-map", [this](const std::stop_token&) { map_frames(stop_.get_token()); });
   const std::lock_guard lock(sources_mutex_);
-  const auto now = MonotonicClock::now();  // no sensor is late for what was built until now
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    source_states_[i].statistics.name = sources[i].name;
-    source_states_[i].last_frame = now;
-    sources_[i].setup = std::move(sources[i]);
-  }
-  for (std::size_t i = 0; i < sources.size(); ++i) start_source(i, std::move(sources_[i].setup.source));
+  for (std::size_t i = 0; i < sources_.size(); ++i) start_source(i, std::move(sources_[i].setup.source));
   if (live()) supervise_thread_ = named_thread("scree-watch", [this](const std::stop_token& stop) { supervise(stop); });
 }
 
@@ -164,7 +163,7 @@ void Pipeline::map_frame(const FrameQueue::Entry& entry, const RangeFrame& frame
     statistics_.mapping = now - *first_taken_;
     map_ = std::move(snapshot);
     map_taken_ = taken;
-    origin = origin_.value_or(drivers::Origin::live);
+    origin = source_states_[entry.source].origin;
     report_pose(frame);
     changed_.notify_all();
   }

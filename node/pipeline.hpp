@@ -71,11 +71,15 @@ class Pipeline final : private SourceEvents {
     NodeSource setup;
     std::shared_ptr<SourceRun> run;
     std::jthread thread;
+    std::optional<MonotonicTime> inside_since;  ///< as the supervisor saw it last …
+    int rounds = 0;                             ///< … and how often in a row
   };
   /// What the pipeline knows of a source.
   struct SourceState {
     SourceStatistics statistics;
-    MonotonicTime last_frame;
+    MonotonicTime last_frame;  ///< that came in time
+    std::uint64_t late_in_a_row = 0;
+    drivers::Origin origin = drivers::Origin::live;
     bool has_frame = false;
     bool ended = false;
     protocol::SensorState told = protocol::SensorState::waiting;
@@ -91,7 +95,9 @@ class Pipeline final : private SourceEvents {
   void ended(std::size_t source) override;
   void start_source(std::size_t index, std::unique_ptr<drivers::Source> source);
   void supervise(const std::stop_token& stop);
-  void look_after(std::size_t index, MonotonicTime now);
+  void look_after(std::size_t index);
+  void give_up(const std::string& source);
+  void note_late(std::size_t source, Duration age);
   void bury_abandoned();
   void end_sources();
 
@@ -145,6 +151,7 @@ class Pipeline final : private SourceEvents {
   MonotonicTime map_taken_;                ///< when the map stage's frame of `map_` came in
   bool pose_stale_ = false;
   bool faulty_ = false;
+  bool gave_up_ = false;  ///< too many threads were left behind
   bool map_ended_ = false;
   bool recorded_ = false;
   bool finished_ = false;

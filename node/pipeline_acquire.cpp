@@ -12,6 +12,7 @@ namespace scree::node {
 namespace {
 
 constexpr std::uint64_t kSkippedShown = 10;
+constexpr std::uint64_t kLateShown = 10;
 constexpr std::chrono::milliseconds kRound{100};      // of the supervisor
 constexpr std::chrono::milliseconds kLastWait{2000};  // for threads of sources to end, before they are left behind
 /// So many threads that do not come back are no fault of one device.
@@ -40,17 +41,41 @@ int unreality(drivers::Origin origin) {
 
 bool Pipeline::frame(std::size_t source, std::shared_ptr<const RangeFrame> frame, drivers::Origin origin,
                      const std::stop_token& stop) {
+  const Time now = system_time();
+  const Time end = end_time(*frame);
   {
     const std::lock_guard lock(mutex_);
     SourceState& state = source_states_[source];
     ++statistics_.frames_in;
     ++state.statistics.frames_in;
-    state.last_frame = MonotonicClock::now();
-    state.has_frame = true;
+    state.origin = origin;
     // told before the map that holds the frame is, and for good: the map keeps the ground
     if (!origin_ || unreality(origin) > unreality(*origin_)) origin_ = origin;
   }
-  return queue_.push(std::move(frame), source, system_time(), stop);
+  const auto pushed = queue_.push(std::move(frame), source, now, stop);
+  if (pushed == FrameQueue::Pushed::late) note_late(source, now - end);
+  if (pushed == FrameQueue::Pushed::taken) {
+    const std::lock_guard lock(mutex_);
+    source_states_[source].last_frame = MonotonicClock::now();
+    source_states_[source].has_frame = true;
+    source_states_[source].late_in_a_row = 0;
+  }
+  return pushed != FrameQueue::Pushed::stopped;
+}
+
+/// A source that is always late becomes stale and lost, as one that sends nothing does, but says why.
+void Pipeline::note_late(std::size_t source, Duration age) {
+  std::string name;
+  {
+    const std::lock_guard lock(mutex_);
+    SourceState& state = source_states_[source];
+    if (++state.late_in_a_row != kLateShown) return;
+    name = state.statistics.name;
+  }
+  spdlog::error(
+      "source {}: expected frames in the order of time, found {} in a row that end before what was mapped, the "
+      "last {} ms ago: none is used (node.merge_ms; or its clock is wrong)",
+      name, kLateShown, std::chrono::duration_cast<std::chrono::milliseconds>(age).count());
 }
 
 void Pipeline::skipped(std::size_t source, const std::string& message) {
@@ -107,8 +132,7 @@ void Pipeline::supervise(const std::stop_token& stop) {
     supervise_beat_.touch();
     {
       const std::lock_guard lock(sources_mutex_);
-      const auto now = MonotonicClock::now();
-      for (std::size_t i = 0; i < sources_.size(); ++i) look_after(i, now);
+      for (std::size_t i = 0; i < sources_.size(); ++i) look_after(i);
       bury_abandoned();
     }
     std::unique_lock lock(mutex);
@@ -119,16 +143,21 @@ void Pipeline::supervise(const std::stop_token& stop) {
 
 /// Under sources_mutex_. A source that neither delivers nor fails: its thread is left where it is, and another one
 /// opens the source again.
-void Pipeline::look_after(std::size_t index, MonotonicTime now) {
+void Pipeline::look_after(std::size_t index) {
   Acquired& acquired = sources_[index];
   const auto since = acquired.run->inside_since();
+  acquired.rounds = since && since == acquired.inside_since ? acquired.rounds + 1 : 0;
+  acquired.inside_since = since;
   if (!acquired.setup.deadline || !acquired.setup.open || stop_.stop_requested()) return;
-  if (!since || now - *since < *acquired.setup.deadline || abandoned_.size() >= kMaxAbandoned) return;
+  // as seen round by round, not by the clock: a process that was stopped for a while is no driver that hangs
+  if (acquired.rounds * kRound < *acquired.setup.deadline) return;
+  if (abandoned_.size() >= kMaxAbandoned) return give_up(acquired.setup.name);
   spdlog::error("source {}: expected its driver to return within {} ms, it did not: it is left behind and opened again",
                 acquired.setup.name,
                 std::chrono::duration_cast<std::chrono::milliseconds>(*acquired.setup.deadline).count());
   acquired.run->abandon();
   acquired.thread.request_stop();
+  acquired.rounds = 0;
   abandoned_.push_back(std::move(acquired));
   acquired.setup = {abandoned_.back().setup.name, nullptr,
                     abandoned_.back().setup.open, abandoned_.back().setup.loop,
@@ -138,6 +167,14 @@ void Pipeline::look_after(std::size_t index, MonotonicTime now) {
     ++source_states_[index].statistics.abandoned;
   }
   start_source(index, nullptr);
+}
+
+/// Under sources_mutex_. Nothing more is opened: the watchdog's turn.
+void Pipeline::give_up(const std::string& source) {
+  const std::lock_guard lock(mutex_);
+  faulty_ = true;
+  if (std::exchange(gave_up_, true)) return;
+  spdlog::error("source {}: {} threads are left behind already: it is not opened again", source, kMaxAbandoned);
 }
 
 /// Under sources_mutex_.
@@ -165,6 +202,10 @@ void Pipeline::end_sources() {
 std::string Pipeline::stalled(Duration limit) const {
   const auto now = MonotonicClock::now();
   if (supervise_beat_.age(now) > limit) return "acquire";
+  {
+    const std::lock_guard lock(mutex_);
+    if (gave_up_) return "acquire";
+  }
   const auto waiting = queue_.waiting_since();
   if (map_beat_.age(now) > limit || (waiting && now - *waiting > limit)) return "map";
   if (publish_beat_.age(now) > limit) return "publish";

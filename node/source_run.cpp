@@ -53,7 +53,8 @@ void SourceRun::abandon() {
 }
 
 void SourceRun::run(const std::stop_token& stop) {
-  while (!stop.stop_requested() && turn(stop)) ++turns_;
+  while (!stop.stop_requested() && turn(stop)) {
+  }
   {
     const Inside closing(*this);
     source_.reset();

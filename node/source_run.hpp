@@ -62,8 +62,6 @@ class SourceRun {
   std::optional<MonotonicTime> inside_since() const;
   /// run() has returned. Any thread.
   bool returned() const { return returned_; }
-  /// Turns of the loop, of which each is an event, a time-out or a try to open. Any thread.
-  std::uint64_t turns() const { return turns_; }
 
  private:
   class Inside;
@@ -84,7 +82,6 @@ class SourceRun {
   std::mutex gate_;  ///< guards events_, and is held while an event is told
   SourceEvents* events_;
   std::atomic<Duration::rep> inside_since_{0};  ///< of the monotonic clock; 0 = outside
-  std::atomic<std::uint64_t> turns_{0};
   std::atomic<bool> returned_{false};
 };
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <spdlog/spdlog.h>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,7 +13,6 @@
 #include "node/commands/command_line.hpp"
 #include "node/commands/run_node.hpp"
 #include "node/node_source.hpp"
-#include "node/signals.hpp"
 
 namespace scree::node {
 namespace {
@@ -34,13 +34,13 @@ drivers::Origin origin_of(const config::Settings& settings) {
   return has(config::SourceKind::simulated) ? drivers::Origin::sim : settings.publish.origin;
 }
 
-/// How long a call into the source may take: a kernel that waits for an answer of a USB device takes its 5 s. What only
-/// computes or reads files may take as long as it needs.
+/// How long a call into the source may take: beyond its own deadline, a second of a machine that is slow, or the 5 s of
+/// a kernel that waits for an answer of a USB device. What only computes or reads files may take as long as it needs.
 std::optional<Duration> patience(const config::SourceSettings& source) {
   const std::chrono::milliseconds deadline(source.deadline_ms);
   switch (source.kind) {
     case config::SourceKind::stream:
-      return deadline;
+      return deadline + std::chrono::seconds(1);
     case config::SourceKind::usb:
     case config::SourceKind::v4l2:
       return deadline + std::chrono::seconds(8);
@@ -53,25 +53,30 @@ bool is_recording(const config::SourceSettings& source) {
   return source.kind == config::SourceKind::recording;
 }
 
-/// One of several may be a device that is not there yet; what is wrong with the configuration is said at once.
+/// Of several sources one that can not be opened yet is tried again while the others go on; what is wrong with the
+/// configuration is said at once.
 Result<std::vector<NodeSource>> open_all(const config::Settings& settings) {
   std::vector<NodeSource> sources;
-  for (const config::SourceSettings& source : settings.all_sources()) {
+  const auto all = settings.all_sources();
+  for (const config::SourceSettings& source : all) {
     OpenSource open = [source, settings] { return open_live(source, settings); };
     auto opened = open();
-    if (!opened) return opened.error();
+    const std::string name = source.name_at(sources.size());
+    if (!opened && (all.size() == 1 || opened.error().kind == ErrorKind::bad_config)) return opened.error();
+    if (!opened) spdlog::error("source {}: {}; trying again", name, opened.error().message);
     const auto rate = is_recording(source) ? std::optional(1.0) : std::nullopt;
     sources.push_back(
-        {source.name_at(sources.size()), *std::move(opened), std::move(open), source.loop, rate, patience(source)});
+        {name, opened ? *std::move(opened) : nullptr, std::move(open), source.loop, rate, patience(source)});
   }
   return sources;
 }
 
 Result<int> run_live(const RunOptions& options) {
-  SignalWatch signals;  // before any thread of a source, libusb's own too: whoever does not block SIGTERM dies of it
   auto settings = options.config.load();
   if (!settings) return settings.error();
   const auto all = settings->all_sources();
+  if (options.record && std::any_of(all.begin(), all.end(), is_recording))
+    return Error{ErrorKind::usage, "--record: expected live sources, found one of kind recording"};
   NodeRun run;
   run.origin = origin_of(*settings);
   run.pipeline.played = std::all_of(all.begin(), all.end(), is_recording);

@@ -19,6 +19,8 @@ sources:
     kind: v4l2
     device: /dev/video3
     rate_hz: 30
+    sensor: {projection: pinhole, parameters: {fx_px: 9, fy_px: 9, cx_px: 4, cy_px: 4}}
+pose: {source: static}
 )";
 
 TEST(Sources, EachHasItsOwnKeysNameAndSensor) {
@@ -31,7 +33,7 @@ TEST(Sources, EachHasItsOwnKeysNameAndSensor) {
   EXPECT_EQ(sources[0].name_at(0), "source0");
   EXPECT_EQ(sources[0].sensor_given, std::vector<std::string>{"range_max_m"});
   EXPECT_EQ(sources[0].sensor->filter.range_max_m, 12.0);
-  EXPECT_FALSE(sources[1].sensor);
+  EXPECT_TRUE(sources[1].has_whole_sensor());
   EXPECT_EQ(sources[1].name_at(1), "camera");
   EXPECT_EQ(sources[1].device, "/dev/video3");
   EXPECT_EQ(sources[1].rate_hz, 30.0);
@@ -82,6 +84,16 @@ TEST(Sources, FaultsNameTheEntryTheKeyAndThePlace) {
   EXPECT_THAT(fault("sensor: {range_max_m: 3}\nsources:\n  - {kind: usb}\n"),
               HasSubstr("expected `sensor` inside each entry of sources"));
   EXPECT_THAT(fault("sources:\n  - {kind: usb, usb_id: 12}\n"), HasSubstr("sources[0].usb_id: expected VVVV:PPPP"));
+  const std::string camera = "sources:\n  - {kind: v4l2, device: /dev/video0";
+  const std::string optics = ", sensor: {projection: pinhole, parameters: {fx_px: 9, fy_px: 9, cx_px: 4, cy_px: 4}}}\n";
+  EXPECT_THAT(fault(camera + "}\npose: {source: static}\n"),
+              HasSubstr("f.yaml:2:6: sources[0].kind: expected a sensor with projection pinhole"));
+  EXPECT_THAT(fault(camera + optics), HasSubstr("expected pose.source udp or static with kind v4l2"));
+  EXPECT_EQ(fault(camera + optics + "pose: {source: udp}\n"), "none");
+  EXPECT_THAT(fault("source: {kind: simulated, terrain: a, sensor: b, trajectory: c}\nsensor: {range_max_m: 3}\n"),
+              HasSubstr("expected no `sensor` with kind simulated, which has its own, found sensor.range_max_m"));
+  EXPECT_THAT(fault("sources:\n  - {kind: usb}\n  - {kind: recording, path: a}\n"),
+              HasSubstr("sources[1].kind: expected live sources beside each other"));
   EXPECT_THAT(fault("", {"sources[9].kind=usb"}), HasSubstr("sources[9].kind: expected a known key"));
   EXPECT_THAT(fault("sources: [{}, {}, {}, {}, {}, {}, {}, {}, {}]\n"),
               HasSubstr("expected at most 8 sources, found 9"));

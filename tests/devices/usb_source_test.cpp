@@ -197,7 +197,7 @@ TEST_F(UsbTest, ASilentDeviceHasItsStreamRestartedAndThenIsReset) {
   config.deadline = milliseconds(150);
   open_source(config);
   expect_notice("connected");
-  expect_notice("expected a message within 150 ms, found none; stream restarted");
+  expect_notice("expected a frame within 150 ms, found none; stream restarted");
   EXPECT_EQ(scanner_.state().streaming_off, 1);
   EXPECT_EQ(scanner_.state().streaming_on, 2);
   EXPECT_EQ(scanner_.state().clear_halts, 2);

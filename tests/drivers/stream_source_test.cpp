@@ -138,7 +138,7 @@ TEST_F(StreamSourceTest, ASilentPeerIsGivenUpAndConnectedToAgain) {
   const auto begin = MonotonicClock::now();
   const auto silent = event();
   EXPECT_EQ(silent.kind, Kind::notice);
-  EXPECT_THAT(silent.message, ::testing::HasSubstr("expected a message within 150 ms, found none"));
+  EXPECT_THAT(silent.message, ::testing::HasSubstr("expected a frame within 150 ms, found none"));
   EXPECT_GE(MonotonicClock::now() - begin, milliseconds(100));
   EXPECT_EQ(counted("silences"), 1u);
   EXPECT_THAT(event().message, ::testing::HasSubstr("connected"));
@@ -196,6 +196,52 @@ TEST_F(StreamSourceTest, ASensorThatIsNotTheConfiguredOneEndsTheSource) {
   ASSERT_FALSE(next);
   EXPECT_EQ(next.error().kind, ErrorKind::bad_config);
   EXPECT_THAT(next.error().message, ::testing::MatchesRegex("stream unix:.*: sensor.parameters.rows: expected 5.*"));
+}
+
+// The configuration is judged by the first GEOMETRY. What the device says of itself after good frames is its own fault.
+TEST_F(StreamSourceTest, ADeviceThatBecomesAnotherIsRefusedUntilItIsTheOldOneAgain) {
+  open_server();
+  open_source({}, [](const SensorConfig& told) -> Result<SensorConfig> {
+    if (told.filter.range_max_m > 1e3) return Error{ErrorKind::bad_config, "expected another device, found this"};
+    return told;
+  });
+  connect();
+  server_->send({message(0)});
+  EXPECT_EQ(event().kind, Kind::frame);
+  auto other = stream::test_scanner();
+  other.sensor.filter.range_max_m = 2e3;
+  const auto encoder = stream::Encoder::make(other, stream::kTestBoot, true);
+  server_->send({std::make_shared<const Bytes>(stream::encoded(*encoder, stream::test_frame(1)))});
+  const auto refused = event();
+  EXPECT_EQ(refused.kind, Kind::skipped);
+  EXPECT_THAT(refused.message, ::testing::HasSubstr("expected another device, found this"));
+  EXPECT_EQ(counted("bad_geometry"), 1u);
+  server_->send({message(2)});
+  EXPECT_EQ(event().kind, Kind::frame);
+}
+
+TEST_F(StreamSourceTest, APeerThatOnlySaysWhatItIsIsSilent) {
+  open_server();
+  StreamSourceConfig config;
+  config.deadline = milliseconds(300);
+  open_source(config);
+  connect();
+  Bytes geometry = *message(0);
+  stream::Decoder decoder;
+  std::span<const std::uint8_t> bytes(geometry);
+  const auto first = decoder.next(bytes);
+  ASSERT_TRUE(first && first->header.type == stream::MessageType::geometry);
+  geometry.resize(stream::kHeaderBytes + first->payload.size());
+  SourceEvent silent;
+  for (int i = 0; i < 100 && silent.kind != Kind::notice; ++i) {
+    if (!server_->busy()) server_->send({std::make_shared<const Bytes>(geometry)});
+    server_->serve();
+    auto next = source_->next(milliseconds(20));
+    ASSERT_TRUE(next);
+    silent = *next;
+  }
+  EXPECT_THAT(silent.message, ::testing::HasSubstr("expected a frame within 300 ms, found none"));
+  EXPECT_EQ(counted("silences"), 1u);
 }
 
 TEST_F(StreamSourceTest, ASlowReaderMissesWholeFramesAndTheOthersDoNot) {

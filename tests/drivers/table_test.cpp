@@ -147,5 +147,21 @@ TEST(OrderTable, NamesFoldersAndPlaces) {
     EXPECT_FALSE(parse_order_table(header + wrong, "order.csv")) << wrong;
 }
 
+// Half a number may be a number: what only this program writes has an end, or is left out.
+TEST(OrderTable, ALastRowWithoutAnEndIsLeftOutEvenWhenItCanBeRead) {
+  const std::string header = std::string(kOrderHeader) + "\n";
+  std::string torn;
+  const auto rows = parse_order_table(header + "cam,44\ncam,4", "order.csv", &torn);
+  ASSERT_TRUE(rows);
+  EXPECT_EQ(rows->size(), 1u);
+  EXPECT_THAT(torn, HasSubstr("order.csv:3: the last line has no end and is left out"));
+  const std::string row = "0,1,2,3,0,0,0,1,0,0,0,0,0,120";
+  const auto poses = parse_uncertain_poses_table(
+      std::string(kUncertainPosesHeader) + "\n" + row + "\n1" + row.substr(1, row.size() - 2), "poses.csv", &torn);
+  ASSERT_TRUE(poses);
+  EXPECT_EQ(poses->poses.size(), 1u);
+  EXPECT_THAT(torn, HasSubstr("poses.csv:3"));
+}
+
 }  // namespace
 }  // namespace scree::drivers

@@ -91,7 +91,7 @@ TEST_F(SeveralSources, ACameraNeedsPosesAndIntrinsicsFromTheConfiguration) {
                                             "{fx_px: 9, fy_px: 9, cx_px: 4, cy_px: 4}}}"),
                                      ear_, {"--set", "pose.source=recording"}));
   EXPECT_EQ(without_pose.exit_code, 78);
-  EXPECT_THAT(without_pose.err, ::testing::HasSubstr("expected udp or static with a source of kind v4l2"));
+  EXPECT_THAT(without_pose.err, ::testing::HasSubstr("expected pose.source udp or static with kind v4l2"));
 }
 
 TEST_F(SeveralSources, DevicesThatAreNotThereAreWaitedFor) {
