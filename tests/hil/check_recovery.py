@@ -122,8 +122,10 @@ def check(run, faults, expect):
     if zero_s is None or not expect(sensors == len(SENSORS),
                                     f"client: expected heartbeats of {len(SENSORS)} sensors, found {sensors}"):
         return
-    latency_ms = json.loads((run / "findings" / "run.json").read_text())["latency_ms"]["p99"]
-    heard_s = 1e-3 * latency_ms + BEAT_S
+    # A frame waits for the mapping of the one before, and is mapped. Not p99: the first frames of a run wait for seconds
+    # in an emulated machine, and are more than 1 % of all.
+    latency_ms = json.loads((run / "findings" / "run.json").read_text())["latency_ms"]["p50"]
+    heard_s = 2e-3 * latency_ms + BEAT_S
     begins_s = [zero_s + fault.at_s for fault in faults]
     for fault, next_s in zip(faults, begins_s[1:] + [math.inf]):
         check_fault(fault, zero_s, next_s, beats, heard_s, expect)
