@@ -30,7 +30,8 @@ std::vector<Fault> FaultInjector::advance(Duration since, drivers::FrameServer& 
 void FaultInjector::begin(const Fault& fault, drivers::FrameServer& server) {
   ++injected_[static_cast<std::size_t>(fault.kind)];
   const Duration until = fault.at + fault.lasts;
-  // One that lasts longer goes on when a shorter one of its kind is over; a new factor of slow takes the old one's place.
+  // One that lasts longer goes on when a shorter one of its kind is over; a new factor of slow takes the old one's
+  // place.
   switch (fault.kind) {
     case FaultKind::unplug:
       unplugged_until_ = std::max(unplugged_until_, until);

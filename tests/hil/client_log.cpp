@@ -30,10 +30,11 @@ void write_line(const scree::client::Client& map) {
   const scree::client::Heartbeat none, *beat = map.heartbeat() == nullptr ? &none : map.heartbeat();
   const auto now = scree::client::Clock::now();
   const auto age_ms = std::chrono::duration_cast<std::chrono::milliseconds>(map.data_age(now)).count();
-  std::printf("%.3f %d %d %llu %llu %d %u %lld %d", uptime_s(), static_cast<int>(map.state()), static_cast<int>(map.health()),
-              static_cast<unsigned long long>(beat->frames_in), static_cast<unsigned long long>(beat->frames_dropped),
-              static_cast<int>(map.origin()), static_cast<unsigned>(map.map_rev()),
-              map.t_data_ns() == 0 ? -1LL : static_cast<long long>(age_ms), static_cast<int>(beat->sensors));
+  std::printf("%.3f %d %d %llu %llu %d %u %lld %d", uptime_s(), static_cast<int>(map.state()),
+              static_cast<int>(map.health()), static_cast<unsigned long long>(beat->frames_in),
+              static_cast<unsigned long long>(beat->frames_dropped), static_cast<int>(map.origin()),
+              static_cast<unsigned>(map.map_rev()), map.t_data_ns() == 0 ? -1LL : static_cast<long long>(age_ms),
+              static_cast<int>(beat->sensors));
   for (int i = 0; i < beat->sensors; ++i)
     std::printf(" %d %d %u", static_cast<int>(beat->sensor[i].sensor), static_cast<int>(beat->sensor[i].state),
                 static_cast<unsigned>(beat->sensor[i].age_ms));

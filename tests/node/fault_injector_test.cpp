@@ -69,8 +69,9 @@ TEST(FaultInjector, AFaultLastsAsLongAsItsLineSays) {
 TEST(FaultInjector, AShorterFaultDoesNotCutALongerOneShort) {
   using drivers::stream::Bytes;
   NotedServer server;
-  auto faults = injector("1 unplug 3\n1 freeze 3\n1 wrong_geometry 3\n2 unplug 0.5\n2 freeze 0.5\n2 wrong_geometry 0.5\n"
-                         "3.5 unplug 1");
+  auto faults = injector(
+      "1 unplug 3\n1 freeze 3\n1 wrong_geometry 3\n2 unplug 0.5\n2 freeze 0.5\n2 wrong_geometry 0.5\n"
+      "3.5 unplug 1");
   const drivers::ServedFrame good{std::make_shared<const Bytes>(drivers::stream::encoded(
                                       drivers::stream::test_encoder(), drivers::stream::test_frame(0))),
                                   nullptr, false};
