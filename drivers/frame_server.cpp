@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "drivers/stream_server.hpp"
+#include "drivers/stream_socket.hpp"
 #ifdef SCREE_WITH_USBREDIR
 #include "drivers/usbredir_server.hpp"
 #endif
@@ -13,6 +14,10 @@ namespace scree::drivers {
 namespace {
 
 constexpr std::string_view kUsbredir = "usbredir:";
+
+bool is_stream(const std::string& address) {
+  return address.starts_with("unix:") || address.starts_with("tcp:");
+}
 
 template <class Server>
 Result<std::unique_ptr<FrameServer>> owned(Result<Server> server) {
@@ -31,13 +36,15 @@ std::size_t LinkState::allowed(std::size_t total, Duration elapsed) const {
 
 Result<std::unique_ptr<FrameServer>> open_frame_server(const std::string& address,
                                                        [[maybe_unused]] const ServedShape& shape) {
-  if (!address.starts_with(kUsbredir)) return owned(StreamServer::open(address));
+  if (is_stream(address)) return owned(StreamServer::open(address));
 #ifdef SCREE_WITH_USBREDIR
-  return UsbredirServer::open(address.substr(kUsbredir.size()), shape);
+  if (address.starts_with(kUsbredir)) return UsbredirServer::open(address.substr(kUsbredir.size()), shape);
+  const std::string also = ", or usbredir:PATH";
 #else
-  return Error{ErrorKind::usage,
-               "--serve: expected unix: or tcp: in a build without SCREE_WITH_USBREDIR, found '" + address + "'"};
+  const std::string also = " in a build without SCREE_WITH_USBREDIR";
 #endif
+  return Error{ErrorKind::usage,
+               "--serve: expected " + std::string(kStreamAddressGrammar) + also + ", found '" + address + "'"};
 }
 
 }  // namespace scree::drivers

@@ -107,18 +107,23 @@ bool try_again(int error) {
 
 }  // namespace
 
+Result<StreamAddress> unix_address(const std::string& path, std::string_view scheme, const std::string& what) {
+  constexpr std::size_t kMaxPath = sizeof(sockaddr_un::sun_path) - 1;
+  if (path.empty() || path.size() > kMaxPath)
+    return Error{ErrorKind::usage, fmt::format("{}: expected a path of 1 … {} bytes behind {}, found '{}{}'", what,
+                                               kMaxPath, scheme, scheme, path)};
+  StreamAddress address;
+  address.host = path;
+  return address;
+}
+
 Result<StreamAddress> parse_stream_address(const std::string& text, const std::string& what) {
   const auto wrong = [&](const std::string& expected) {
     return Error{ErrorKind::usage, fmt::format("{}: expected {}, found '{}'", what, expected, text)};
   };
-  StreamAddress address;
-  if (text.starts_with("unix:")) {
-    address.host = text.substr(5);
-    if (address.host.empty() || address.host.size() >= sizeof(sockaddr_un::sun_path))
-      return wrong(fmt::format("a path of 1 … {} bytes behind unix:", sizeof(sockaddr_un::sun_path) - 1));
-    return address;
-  }
+  if (text.starts_with("unix:")) return unix_address(text.substr(5), "unix:", what);
   if (!text.starts_with("tcp:")) return wrong(std::string(kStreamAddressGrammar));
+  StreamAddress address;
   const std::string rest = text.substr(4);
   const std::size_t colon = rest.rfind(':');
   std::string host = colon == std::string::npos ? "127.0.0.1" : rest.substr(0, colon);

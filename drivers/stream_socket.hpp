@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "core/result.hpp"
 
@@ -25,6 +26,8 @@ struct StreamAddress {
 /// "unix:/run/scanner.sock", "tcp:47810", "tcp:127.0.0.1:47810", "tcp:localhost:0", "tcp:[::1]:47810". Errors: usage
 /// (the grammar; a host that is not the loopback; a path longer than a unix socket's name can be), naming `what`.
 Result<StreamAddress> parse_stream_address(const std::string& text, const std::string& what);
+/// The unix socket at `path`, which stood behind `scheme` ("unix:"). Errors: usage (no path, or one that is too long).
+Result<StreamAddress> unix_address(const std::string& path, std::string_view scheme, const std::string& what);
 std::string to_string(const StreamAddress& address);
 
 /// One end of a connection, or a listener. Closed at destruction.

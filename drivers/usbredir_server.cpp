@@ -53,7 +53,7 @@ void UsbredirPort::serve() {
 }
 
 Result<std::unique_ptr<FrameServer>> UsbredirServer::open(const std::string& path, const ServedShape& shape) {
-  auto address = parse_stream_address("unix:" + path, "--serve");
+  auto address = unix_address(path, "usbredir:", "--serve");
   if (!address) return address.error();
   return std::unique_ptr<FrameServer>(new UsbredirServer(std::make_unique<UsbredirPort>(*std::move(address), shape)));
 }

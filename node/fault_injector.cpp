@@ -1,5 +1,6 @@
 #include "node/fault_injector.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <utility>
@@ -29,9 +30,11 @@ std::vector<Fault> FaultInjector::advance(Duration since, drivers::FrameServer& 
 void FaultInjector::begin(const Fault& fault, drivers::FrameServer& server) {
   ++injected_[static_cast<std::size_t>(fault.kind)];
   const Duration until = fault.at + fault.lasts;
+  // One that lasts longer goes on when a shorter one of its kind is over; a new factor of slow takes the old one's
+  // place.
   switch (fault.kind) {
     case FaultKind::unplug:
-      unplugged_until_ = until;
+      unplugged_until_ = std::max(unplugged_until_, until);
       break;
     case FaultKind::stall:
       server.stall();
@@ -47,10 +50,10 @@ void FaultInjector::begin(const Fault& fault, drivers::FrameServer& server) {
       factor_ = fault.factor;
       break;
     case FaultKind::wrong_geometry:
-      wrong_until_ = until;
+      wrong_until_ = std::max(wrong_until_, until);
       break;
     case FaultKind::freeze:
-      frozen_until_ = until;
+      frozen_until_ = std::max(frozen_until_, until);
       break;
   }
 }

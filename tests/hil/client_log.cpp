@@ -1,7 +1,9 @@
 // A client of the node that writes down what a planner would know of its health, ten times a second, until BYE or
 // SIGTERM. Usage: client_log NODE (its publish.listen). A line:
 //
-//   UPTIME_S STATE HEALTH FRAMES_IN FRAMES_DROPPED ORIGIN SENSORS [SENSOR STATE AGE_MS]…
+//   UPTIME_S STATE HEALTH FRAMES_IN FRAMES_DROPPED ORIGIN MAP_REV DATA_AGE_MS SENSORS [SENSOR STATE AGE_MS]…
+//
+// DATA_AGE_MS: since the map's newest sample came to the node; -1 before the first map.
 
 #include <chrono>
 #include <csignal>
@@ -26,9 +28,13 @@ double uptime_s() {
 
 void write_line(const scree::client::Client& map) {
   const scree::client::Heartbeat none, *beat = map.heartbeat() == nullptr ? &none : map.heartbeat();
-  std::printf("%.3f %d %d %llu %llu %d %d", uptime_s(), static_cast<int>(map.state()), static_cast<int>(map.health()),
-              static_cast<unsigned long long>(beat->frames_in), static_cast<unsigned long long>(beat->frames_dropped),
-              static_cast<int>(map.origin()), static_cast<int>(beat->sensors));
+  const auto now = scree::client::Clock::now();
+  const auto age_ms = std::chrono::duration_cast<std::chrono::milliseconds>(map.data_age(now)).count();
+  std::printf("%.3f %d %d %llu %llu %d %u %lld %d", uptime_s(), static_cast<int>(map.state()),
+              static_cast<int>(map.health()), static_cast<unsigned long long>(beat->frames_in),
+              static_cast<unsigned long long>(beat->frames_dropped), static_cast<int>(map.origin()),
+              static_cast<unsigned>(map.map_rev()), map.t_data_ns() == 0 ? -1LL : static_cast<long long>(age_ms),
+              static_cast<int>(beat->sensors));
   for (int i = 0; i < beat->sensors; ++i)
     std::printf(" %d %d %u", static_cast<int>(beat->sensor[i].sensor), static_cast<int>(beat->sensor[i].state),
                 static_cast<unsigned>(beat->sensor[i].age_ms));

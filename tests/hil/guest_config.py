@@ -4,14 +4,16 @@
 import pathlib
 import sys
 
-HEAD = """# Two drivers of one device: its bulk frames through libusb, its images through V4L2.
+DEADLINE_MS = 2000  # of both drivers: silence that lasts longer is one
+
+HEAD = f"""# Two drivers of one device: its bulk frames through libusb, its images through V4L2.
 sources:
-  - {name: scanner, kind: usb, deadline_ms: 2000}
+  - {{name: scanner, kind: usb, deadline_ms: {DEADLINE_MS}}}
   - name: camera
     kind: v4l2
     device: /dev/video0
     format: Z16
-    deadline_ms: 2000
+    deadline_ms: {DEADLINE_MS}
 """
 
 TAIL = """map: {cell_m: 0.1, size_cells: 64, draws: 2, headings: 2, align_frames: false}

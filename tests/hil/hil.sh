@@ -19,6 +19,7 @@ export PATH=$PATH:/usr/sbin:/sbin
 terrain=fbm:2.3,0.05,7,20,0.02
 place=line:0,0,0,0.05,1
 sensor=depth-small
+longest_s=180  # that the test may take once all is built
 
 skip() {
   echo "SKIPPED: $*"
@@ -90,4 +91,6 @@ make_scene
 "$here/initramfs.sh" "$work/kernel" "$run/files" "$run/initrd.gz" "$work-guest/scree" "$work/client_log"
 run_guest
 python3 "$here/check.py" "$run" "$here/faults.txt"
-echo "hil: $(($(date +%s) - begin)) s after the build"
+took_s=$(($(date +%s) - begin))
+echo "hil: $took_s s after the build"
+[ "$took_s" -lt "$longest_s" ] || { echo "FAILED hil: expected less than $longest_s s after the build, found $took_s"; exit 1; }

@@ -83,6 +83,28 @@ TEST(BadInput, FaultScriptsAreJudgedBeforeTheDeviceServes) {
   EXPECT_EQ(recording.exit_code, 64) << "a recording has no faults";
 }
 
+TEST(BadInput, AddressesToServeAtAreNamedAsTheyWereGiven) {
+  const auto serve = [](const std::string& address) {
+    return scree({"simulate", "--terrain", "fbm:2.3,0.1,7,10,0.1", "--sensor", "depth-small", "--trajectory",
+                  "line:-2,0,0,1,1", "--serve", address});
+  };
+  const auto unknown = serve("udp:47810");
+  EXPECT_EQ(unknown.exit_code, 64);
+  EXPECT_THAT(unknown.err, HasSubstr("--serve: expected unix:PATH or tcp:[HOST:]PORT with a HOST of this machine"));
+  EXPECT_THAT(unknown.err, HasSubstr("found 'udp:47810'"));
+  const auto no_path = serve("unix:");
+  EXPECT_EQ(no_path.exit_code, 64);
+  EXPECT_THAT(no_path.err, HasSubstr("bytes behind unix:, found 'unix:'"));
+  const auto no_port = serve("usbredir:");
+  EXPECT_EQ(no_port.exit_code, 64);
+#ifdef SCREE_WITH_USBREDIR
+  EXPECT_THAT(unknown.err, HasSubstr("or usbredir:PATH"));
+  EXPECT_THAT(no_port.err, HasSubstr("bytes behind usbredir:, found 'usbredir:'"));
+#else
+  EXPECT_THAT(no_port.err, HasSubstr("in a build without SCREE_WITH_USBREDIR, found 'usbredir:'"));
+#endif
+}
+
 TEST(BadInput, OccupiedPortsAre69) {
   Process first(command({"listen", "--address", address(1)}));
   ASSERT_TRUE(first.wait_for_text("listening at")) << first.err();

@@ -66,6 +66,32 @@ TEST(FaultInjector, AFaultLastsAsLongAsItsLineSays) {
   EXPECT_EQ(count(faults, FaultKind::stall), 0u);
 }
 
+TEST(FaultInjector, AShorterFaultDoesNotCutALongerOneShort) {
+  using drivers::stream::Bytes;
+  NotedServer server;
+  auto faults = injector(
+      "1 unplug 3\n1 freeze 3\n1 wrong_geometry 3\n2 unplug 0.5\n2 freeze 0.5\n2 wrong_geometry 0.5\n"
+      "3.5 unplug 1");
+  const drivers::ServedFrame good{std::make_shared<const Bytes>(drivers::stream::encoded(
+                                      drivers::stream::test_encoder(), drivers::stream::test_frame(0))),
+                                  nullptr, false};
+  const auto wrong_at = [&](int ms) {
+    faults.advance(milliseconds(ms), server);
+    return *faults.spoil(good, 0).message != *good.message;
+  };
+  for (const int ms : {1000, 2000, 2499, 2500, 3999}) {
+    EXPECT_TRUE(wrong_at(ms)) << ms;
+    EXPECT_TRUE(server.link.unplugged) << ms;
+    EXPECT_TRUE(server.link.frozen) << ms;
+  }
+  EXPECT_FALSE(wrong_at(4000));
+  EXPECT_FALSE(server.link.frozen);
+  EXPECT_TRUE(server.link.unplugged) << "the later end counts, whichever began first";
+  faults.advance(milliseconds(4500), server);
+  EXPECT_EQ(server.link, drivers::LinkState{});
+  EXPECT_EQ(count(faults, FaultKind::unplug), 3u);
+}
+
 TEST(FaultInjector, StallAndBabbleHappenOnce) {
   NotedServer server;
   auto faults = injector("0 stall\n0 babble\n1 stall");
