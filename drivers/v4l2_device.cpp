@@ -123,8 +123,9 @@ void Device::set_rate(double wanted_hz) {
   if (can_set && error == 0 && interval.numerator > 0)
     image_.rate_hz = static_cast<double>(interval.denominator) / interval.numerator;
   if (wanted_hz <= 0.0 || std::abs(image_.rate_hz - wanted_hz) <= kSameRate * wanted_hz) return;
-  const std::string found =
-      image_.rate_hz > 0.0 ? fmt::format("{:.4g} Hz", image_.rate_hz) : "a device whose rate cannot be set";
+  std::string found = "a device whose rate cannot be set";
+  if (error != 0) found = fmt::format("error {} of VIDIOC_S_PARM", error);
+  if (image_.rate_hz > 0.0) found = fmt::format("{:.4g} Hz", image_.rate_hz);
   remark_ = fmt::format("rate: expected {:.4g} Hz, found {}", wanted_hz, found);
 }
 
