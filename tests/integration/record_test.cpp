@@ -68,9 +68,9 @@ TEST_F(Record, ReplayingARecordedLiveRunGivesItsMapByteForByte) {
   Process scanner(command({"simulate", "--terrain", "fbm:2.3,0.1,7,20,0.1", "--sensor", "perceptron-cmu",
                            "--trajectory", "line:-5,0,0,2,0.5", "--frame-period", "2", "--serve", socket("scanner")}));
   Process node(live(one_source(), ear_, {"--record", path("taken"), "--map-out", path("live.npy")}));
-  ASSERT_TRUE(until_mapped(3)) << node.err();
+  ASSERT_TRUE(until_mapped(2)) << node.err();  // of three; a machine that is slow drops the second
   const json statistics = stop(node);
-  ASSERT_GE(statistics["frames_mapped"], 3);
+  ASSERT_GE(statistics["frames_mapped"], 2);
   EXPECT_EQ(statistics["recording"]["frames"], statistics["frames_mapped"]);
   EXPECT_EQ(statistics["recording"]["dropped"], 0);
   EXPECT_EQ(statistics["recording"]["refused"], 0);

@@ -23,7 +23,8 @@ class SeveralSources : public ::testing::Test {
   }
   std::filesystem::path config(const std::string& second) const {
     write_file(folder_ / "robot.yaml", "sources:\n  - {name: front, kind: stream, address: \"" + socket("front") +
-                                           "\"}\n  - " + second + "\npose: {source: static, T_map_body: {x_m: -5}}\n" +
+                                           "\", deadline_ms: 60000}\n  - " + second +
+                                           "\npose: {source: static, T_map_body: {x_m: -5}}\n" +
                                            "node: {sensor_stale_ms: 3000, sensor_lost_ms: 6000}\n");
     return folder_ / "robot.yaml";
   }
@@ -47,8 +48,8 @@ class SeveralSources : public ::testing::Test {
 
 TEST_F(SeveralSources, ADeadOneIsToldTheOtherGoesOnAndItComesBack) {
   Process front(device("lidar64", "front"));
-  std::optional<Process> low(std::in_place, device("depth", "low"));
-  Process node(live(config("{name: low, kind: stream, address: \"" + socket("low") + "\"}"), ear_));
+  std::optional<Process> low(std::in_place, device("depth-small", "low"));
+  Process node(live(config("{name: low, kind: stream, address: \"" + socket("low") + "\", deadline_ms: 60000}"), ear_));
   ASSERT_TRUE(until_sensor(0, SensorState::ok)) << node.err();
   ASSERT_TRUE(until_sensor(1, SensorState::ok)) << node.err();
   low->signal(SIGKILL);
@@ -58,7 +59,7 @@ TEST_F(SeveralSources, ADeadOneIsToldTheOtherGoesOnAndItComesBack) {
   const std::uint64_t frames = ear_->frames_in();
   EXPECT_TRUE(ear_.until([&] { return ear_->frames_in() >= frames + 3; })) << "the other delivers on";
   EXPECT_TRUE(until_sensor(0, SensorState::ok));
-  low.emplace(device("depth", "low"));
+  low.emplace(device("depth-small", "low"));
   EXPECT_TRUE(until_sensor(1, SensorState::ok)) << node.err();
   EXPECT_TRUE(ear_.until_health(kHealthSensorLost, false));
   const json statistics = stop(node);
@@ -68,7 +69,7 @@ TEST_F(SeveralSources, ADeadOneIsToldTheOtherGoesOnAndItComesBack) {
 
 TEST_F(SeveralSources, OneOfAnotherGeometryThanConfiguredIsTriedAgainWhileTheOtherMaps) {
   Process front(device("lidar64", "front"));
-  Process low(device("depth", "low"));
+  Process low(device("depth-small", "low"));
   Process node(live(config("{name: low, kind: stream, address: \"" + socket("low") +
                            "\", sensor: {projection: pinhole, parameters: {fx_px: 1, fy_px: 1}}}"),
                     ear_));
