@@ -88,8 +88,8 @@ class MapDriver {
   void wait() const { client_.wait(std::chrono::milliseconds(20)); }
 
   /// Takes what has arrived, plans again when tiles have come or could have expired, and says what to drive now. Stands
-  /// still while the map is not fresh, or has been for less than a cycle of refreshes after it was lost, the pose is old,
-  /// the health forbids it, there is no path, or it has arrived.
+  /// still while the map is not fresh, or has been for less than a cycle of refreshes after it was lost, the pose is
+  /// old, the health forbids it, there is no path, or it has arrived.
   Drive step(Time now = scree::client::Clock::now()) {
     client_.poll(now);
     const Drive drive = decide(now);

@@ -19,8 +19,8 @@ struct TriangulatedSamples {
 };
 
 /// Every sample takes part, also those outside the grid: they hold the edges of the surface. Errors: usage (no cells,
-/// draws < 0, a law outside 2 < D < 3, a map of laws of another shape); bad_data (spans of different length, values that are not finite, negative
-/// variances, fewer than three places, all on one line).
+/// draws < 0, a law outside 2 < D < 3, a map of laws of another shape); bad_data (spans of different length, values
+/// that are not finite, negative variances, fewer than three places, all on one line).
 Result<TriangulatedSamples> triangulate(const HeightSamples& samples, const SurfaceRequest& request);
 
 /// The law where a point (in cells) lies; that of the nearest cell outside the grid.

@@ -46,9 +46,8 @@ TEST(DevicesReport, UsbScannersAreToldWithTheReasonWhyNot) {
   const auto json = devices_json(devices);
   EXPECT_NE(json.find("\"id\": \"1209:0001\""), std::string::npos);
   EXPECT_NE(json.find("\"usable\": false"), std::string::npos);
-  EXPECT_EQ(
-      devices_text({{}, {}, "built without USB"}),
-      "no devices: no V4L2 node /dev/video*\nUSB could not be looked at: built without USB\n");
+  EXPECT_EQ(devices_text({{}, {}, "built without USB"}),
+            "no devices: no V4L2 node /dev/video*\nUSB could not be looked at: built without USB\n");
 }
 
 TEST(DevicesReport, JsonHasTheSame) {
