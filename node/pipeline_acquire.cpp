@@ -169,7 +169,7 @@ void Pipeline::look_after(std::size_t index) {
   start_source(index, nullptr);
 }
 
-/// Under sources_mutex_. Nothing more is opened: the watchdog's turn.
+/// Under sources_mutex_. FAULT, for good: only a new process is rid of threads that do not come back.
 void Pipeline::give_up(const std::string& source) {
   const std::lock_guard lock(mutex_);
   faulty_ = true;

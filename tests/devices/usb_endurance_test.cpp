@@ -1,11 +1,12 @@
 // A thousand times over: nothing is left behind. And what a frame costs once all is warm.
 
+#include <cstddef>
 #include <cstdlib>
-#include <filesystem>
 #include <gtest/gtest.h>
 #include <thread>
 
 #include "drivers/usb_transfers.hpp"
+#include "tests/devices/process_resources.hpp"
 #include "tests/devices/usb_fixture.hpp"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -29,14 +30,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-std::size_t entries(const char* folder) {
-  const std::filesystem::directory_iterator all(folder);
-  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
-}
-
 /// What a process can leave behind. The testbed closes its ends a moment later than libusb does.
 struct Holdings {
-  std::size_t descriptors = entries("/proc/self/fd"), threads = entries("/proc/self/task");
+  std::ptrdiff_t descriptors = test::entries("/proc/self/fd"), threads = test::entries("/proc/self/task");
   std::size_t transfers = usb::Transfers::live();
   friend bool operator==(const Holdings&, const Holdings&) = default;
   friend std::ostream& operator<<(std::ostream& out, const Holdings& h) {
