@@ -41,11 +41,18 @@ FrameQueue::Config queue_config(const PipelineConfig& config, std::size_t source
           std::chrono::milliseconds(node.merge_ms)};
 }
 
+std::vector<std::string> names_in(const std::vector<NodeSource>& sources) {
+  std::vector<std::string> names;
+  for (const NodeSource& source : sources) names.push_back(source.name);
+  return names;
+}
+
 }  // namespace
 
 Pipeline::Pipeline(PipelineConfig config, std::vector<NodeSource> sources, std::unique_ptr<Inbox> inbox,
                    std::unique_ptr<Publisher> publisher, std::unique_ptr<Recorder> recorder)
     : config_(std::move(config)),
+      names_(names_in(sources)),
       queue_(queue_config(config_, sources.size())),
       pool_(config_.settings.node.threads),
       inbox_(std::move(inbox)),

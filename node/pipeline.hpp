@@ -1,6 +1,7 @@
 #pragma once
 // The process in one place: acquire → map → publish, each a thread, from Sources to the network.
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -82,7 +83,6 @@ class Pipeline final : private SourceEvents {
     drivers::Origin origin = drivers::Origin::live;
     bool has_frame = false;
     bool ended = false;
-    protocol::SensorState told = protocol::SensorState::waiting;
   };
 
   // acquire: of the sources' threads (pipeline_acquire.cpp)
@@ -118,10 +118,12 @@ class Pipeline final : private SourceEvents {
   void copy_publisher_counters();
   NodeStatus status(MonotonicTime now);
   void judge_sensors(NodeStatus& status, Condition& condition);  ///< under the lock
+  void tell_sensors(const NodeStatus& status);
   bool recording_is_incomplete();
   void fail(Error error, bool fault);  ///< `fault`: of the node itself, not of its source
 
   const PipelineConfig config_;
+  const std::vector<std::string> names_;  ///< of the sources
   const MonotonicTime start_ = MonotonicClock::now();
   FrameQueue queue_;
   WorkerPool pool_;
@@ -134,7 +136,8 @@ class Pipeline final : private SourceEvents {
   HealthState health_;
   std::uint64_t next_pose_ = 0;  ///< of those below to be handed to the publisher
   std::unique_ptr<Recorder> recorder_;
-  std::uint64_t recording_lost_ = 0;  ///< frames, when the publish thread looked last
+  std::uint64_t recording_lost_ = 0;                                 ///< frames, when the publish thread looked last
+  std::array<protocol::SensorState, protocol::kMaxSensors> told_{};  ///< by the publish thread
 
   mutable std::mutex mutex_;  ///< guards all below
   std::condition_variable_any changed_;

@@ -65,17 +65,14 @@ bool Pipeline::frame(std::size_t source, std::shared_ptr<const RangeFrame> frame
 
 /// A source that is always late becomes stale and lost, as one that sends nothing does, but says why.
 void Pipeline::note_late(std::size_t source, Duration age) {
-  std::string name;
   {
     const std::lock_guard lock(mutex_);
-    SourceState& state = source_states_[source];
-    if (++state.late_in_a_row != kLateShown) return;
-    name = state.statistics.name;
+    if (++source_states_[source].late_in_a_row != kLateShown) return;
   }
   spdlog::error(
       "source {}: expected frames in the order of time, found {} in a row that end before what was mapped, the "
       "last {} ms ago: none is used (node.merge_ms; or its clock is wrong)",
-      name, kLateShown, std::chrono::duration_cast<std::chrono::milliseconds>(age).count());
+      names_[source], kLateShown, std::chrono::duration_cast<std::chrono::milliseconds>(age).count());
 }
 
 void Pipeline::skipped(std::size_t source, const std::string& message) {
@@ -105,14 +102,12 @@ bool Pipeline::failed(std::size_t source, const Error& error) {
     return false;
   }
   std::uint64_t failures = 0;
-  std::string name;
   {
     const std::lock_guard lock(mutex_);
     failures = ++source_states_[source].statistics.failures;
-    name = source_states_[source].statistics.name;
   }
-  if (failures <= kSkippedShown) spdlog::error("source {}: {}; trying again", name, error.message);
-  if (failures == kSkippedShown) spdlog::error("source {}: further failures are only counted", name);
+  if (failures <= kSkippedShown) spdlog::error("source {}: {}; trying again", names_[source], error.message);
+  if (failures == kSkippedShown) spdlog::error("source {}: further failures are only counted", names_[source]);
   return true;
 }
 

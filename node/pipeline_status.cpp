@@ -73,10 +73,18 @@ void Pipeline::judge_sensors(NodeStatus& status, Condition& condition) {
     SensorState state = lost ? SensorState::lost : stale ? SensorState::stale : SensorState::ok;
     if (!source.has_frame) state = SensorState::waiting;
     status.sensors[i] = {static_cast<std::uint8_t>(i), state, saturate<std::uint32_t>(age.count())};
-    if (source_states_.size() > 1 && std::exchange(source.told, state) != state)
-      spdlog::info("source {}: {}", source.statistics.name, kStateNames[static_cast<std::size_t>(state)]);
   }
   status.sensor_count = static_cast<std::uint8_t>(source_states_.size());
+}
+
+/// With several sources: what changed since it was told. Outside the lock, for a log may block.
+void Pipeline::tell_sensors(const NodeStatus& status) {
+  if (names_.size() < 2) return;
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    const auto state = status.sensors[i].state;
+    if (std::exchange(told_[i], state) != state)
+      spdlog::info("source {}: {}", names_[i], kStateNames[static_cast<std::size_t>(state)]);
+  }
 }
 
 /// Since the publish thread looked last: a frame that was lost, or the whole rest of them.
@@ -106,6 +114,7 @@ NodeStatus Pipeline::status(MonotonicTime now) {
     condition.pose_stale = condition.pose_stale || pose_stale_;
     condition.fault = faulty_;
   }
+  tell_sensors(status);
   if (recorder_) condition.recording_failed = recording_is_incomplete();
   condition.fault = condition.fault || publisher_->error().has_value();
   status.health = health_.update(condition);
